@@ -41,8 +41,12 @@ bool IsBystander(const std::string& name, bool folder) {
                      name.ends_with(".xmp") || name.ends_with(".XMP"));
 }
 
-FingerprintCache::FingerprintCache(fs::path workspace, fs::path path)
-    : workspace_(std::move(workspace)), path_(std::move(path)) {
+FingerprintCache::FingerprintCache(fs::path workspace,
+                                   fs::path path,
+                                   const CancellationToken* cancellation)
+    : workspace_(std::move(workspace)),
+      path_(std::move(path)),
+      cancellation_(cancellation) {
   const StatusOr<nlohmann::json> json = ReadJson(path_);
   if (!json.ok() || !json->is_object()) return;
   for (const auto& [key, value] : json->items()) {
@@ -92,7 +96,7 @@ std::string FingerprintCache::HashOneFile(const fs::path& path) {
     return known->second.hash;
   }
   const int64_t now = NowNanoseconds();
-  const StatusOr<std::string> hash = HashFile(path);
+  const StatusOr<std::string> hash = HashFile(path, cancellation_);
   if (!hash.ok()) return "unreadable";
   // Every change moves the time of status change. The time of modification can
   // be set to any value; cameras with a wrong clock set it to the future.

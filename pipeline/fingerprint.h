@@ -10,6 +10,7 @@
 #include <map>
 #include <string>
 
+#include "core/cancellation.h"
 #include "core/status.h"
 
 namespace freegs::pipeline {
@@ -51,8 +52,11 @@ class FingerprintCache {
  public:
   // Starts with what Save() wrote at `path`. A missing or malformed file counts
   // as an empty one. Paths inside `workspace` are stored relative to it, so
-  // that the workspace can be moved.
-  FingerprintCache(std::filesystem::path workspace, std::filesystem::path path);
+  // that the workspace can be moved. `cancellation` may be null, and must
+  // outlive the cache.
+  FingerprintCache(std::filesystem::path workspace,
+                   std::filesystem::path path,
+                   const CancellationToken* cancellation = nullptr);
 
   // Hashes a file, or a folder with the names and contents of all files below
   // it, in the order of their names. Hidden files and folders, Thumbs.db,
@@ -60,7 +64,8 @@ class FingerprintCache {
   // them. A link to a file counts as the file. A link to a folder is not
   // followed, so that loops end, and counts with the name of its target. What
   // cannot be read counts as "unreadable", and what is neither a file nor a
-  // folder as "special". This never fails.
+  // folder as "special". This never fails. But once it is cancelled, files that
+  // are not remembered count as "unreadable": ask the token before using it.
   InputFingerprint Hash(const std::filesystem::path& path);
 
   // Writes the hashes, if there are new ones.
@@ -83,6 +88,7 @@ class FingerprintCache {
 
   std::filesystem::path workspace_;
   std::filesystem::path path_;
+  const CancellationToken* cancellation_;
   std::map<std::string, Entry> entries_;
   bool changed_ = false;
 };

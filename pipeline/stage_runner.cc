@@ -117,7 +117,9 @@ StageRunner::StageRunner(std::vector<RunnerStage> stages,
       options_(std::move(options)),
       cancellation_(cancellation),
       logger_(logger),
-      cache_(options_.workspace, FingerprintCachePath(options_.workspace)) {}
+      cache_(options_.workspace,
+             FingerprintCachePath(options_.workspace),
+             &cancellation_) {}
 
 size_t StageRunner::IndexOf(const std::string& name) const {
   return static_cast<size_t>(std::ranges::find(stages_, name, NameOf) -
@@ -234,7 +236,11 @@ std::vector<StageReport> StageRunner::Inspect() {
 StatusOr<std::vector<StageForecast>> StageRunner::Forecast() {
   FREEGS_RETURN_IF_ERROR(CheckOptions());
   ThreadPool pool(WorkingThreads(options_.num_threads));
-  return Forecast(pool);
+  std::vector<StageForecast> forecasts = Forecast(pool);
+  if (cancellation_.cancelled()) {
+    return InterruptedError("interrupted while reading the inputs");
+  }
+  return forecasts;
 }
 
 std::vector<StageForecast> StageRunner::Forecast(ThreadPool& pool) {
@@ -346,16 +352,20 @@ Status StageRunner::Run() {
   ThreadPool pool(WorkingThreads(options_.num_threads));
   const std::vector<StageForecast> forecasts = Forecast(pool);
   const std::string expected = RunNeedText(Total(forecasts));
-  if (!expected.empty()) logger_.Log(LogLevel::kInfo, "run: " + expected);
+  if (!expected.empty() && !cancellation_.cancelled()) {
+    logger_.Log(LogLevel::kInfo, "run: " + expected);
+  }
   std::string redone;
   for (size_t i = First(); i < End(); ++i) {
     RunnerStage& stage = stages_[i];
     const std::string name = NameOf(stage);
+    const CurrentInputs now = GatherInputs(stage, MakeContext(stage), cache_);
     if (cancellation_.cancelled()) {
+      // Not all inputs may have been read. Those that were need not be again.
+      (void)cache_.Save();
       return InterruptedError("interrupted before stage " + name + "; " +
                               options_.way_on + " goes on from there");
     }
-    const CurrentInputs now = GatherInputs(stage, MakeContext(stage), cache_);
     StageState state =
         InspectStage(options_.workspace, name, now, ReadLater(name));
     FREEGS_ASSIGN_OR_RETURN(const bool needed, NeedsRun(name, redone, &state));

@@ -76,11 +76,12 @@ class StageRunner {
   Status Run();
 
   // Returns the state of each stage without running any. A stage that comes
-  // after one that is not done is reported as stale.
+  // after one that is not done is reported as stale. A cancelled runner may
+  // report anything.
   std::vector<StageReport> Inspect();
 
   // Foretells what a run would need, stage by stage. Writes nothing. The errors
-  // are those of unknown stage names.
+  // are those of unknown stage names, and kInterrupted.
   StatusOr<std::vector<StageForecast>> Forecast();
 
   // Calls RecoverStage for every stage, and removes what a killed run said of

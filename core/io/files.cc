@@ -235,12 +235,16 @@ std::string HashBytes(std::span<const std::string_view> pieces) {
   return HexDigest(XXH3_128bits_digest(state.get()));
 }
 
-StatusOr<std::string> HashFile(const fs::path& path) {
+StatusOr<std::string> HashFile(const fs::path& path,
+                               const CancellationToken* cancellation) {
   FREEGS_ASSIGN_OR_RETURN(File file, OpenRegular(path));
   const HashState state = NewHashState();
   std::vector<char> buffer(1 << 20);
   size_t n = 0;
   while ((n = std::fread(buffer.data(), 1, buffer.size(), file.get())) > 0) {
+    if (IsCancelled(cancellation)) {
+      return InterruptedError(path.string() + ": stopped while reading it");
+    }
     XXH3_128bits_update(state.get(), buffer.data(), n);
   }
   if (std::ferror(file.get()) != 0) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/cancellation.h"
 #include "core/status.h"
 
 namespace freegs {
@@ -66,10 +67,12 @@ StatusOr<std::filesystem::path> PrepareOutputFile(
     const std::filesystem::path& file);
 
 // The 128-bit XXH3 hash of bytes or of a file's content, as 32 hex digits. It
-// detects changes, but it does not protect against forgery.
+// detects changes, but it does not protect against forgery. HashFile is
+// kInterrupted when cancelled, which is looked at after each MB.
 std::string HashBytes(std::string_view bytes);
 std::string HashBytes(std::span<const std::string_view> pieces);
-StatusOr<std::string> HashFile(const std::filesystem::path& path);
+StatusOr<std::string> HashFile(const std::filesystem::path& path,
+                               const CancellationToken* cancellation = nullptr);
 
 }  // namespace freegs
 

@@ -320,6 +320,9 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
                                   .running = running,
                                   .options = std::move(stored),
                                   .stages = runner.Inspect()};
+  if (context.cancellation.cancelled()) {
+    return InterruptedError("interrupted while reading the inputs");
+  }
   if (targets.json) {
     context.out << JsonText(StatusJson(status));
   } else {

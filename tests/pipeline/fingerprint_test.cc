@@ -127,6 +127,17 @@ TEST_F(FingerprintTest, CacheRemembersSettledFilesOnly) {
   EXPECT_NE(Hash(file), hash);
 }
 
+TEST_F(FingerprintTest, ACancelledCacheRemembersNoFalseHash) {
+  const InputFingerprint hash = Hash(root());
+  std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+  CancellationToken cancelled;
+  cancelled.Cancel();
+  FingerprintCache cache(folder_.path(), cache_path(), &cancelled);
+  EXPECT_NE(cache.Hash(root()), hash);
+  ASSERT_TRUE(cache.Save().ok());
+  EXPECT_EQ(Hash(root()), hash);
+}
+
 // A camera whose clock is wrong makes such files.
 TEST_F(FingerprintTest, CacheRemembersFilesFromTheFuture) {
   const fs::path file = root() / "a.jpg";

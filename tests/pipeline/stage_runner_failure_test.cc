@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the runner makes of failures, interruptions and kills.
 
+#include <chrono>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -11,6 +13,7 @@
 
 #include "pipeline/stage_output.h"
 #include "pipeline/stage_runner.h"
+#include "pipeline/workspace.h"
 #include "tests/pipeline/stage_runner_fixture.h"
 
 namespace freegs::pipeline {
@@ -152,6 +155,27 @@ TEST_F(StageRunnerTest, CancelledBetweenStages) {
   EXPECT_EQ(Run().code(), StatusCode::kInterrupted);
   EXPECT_TRUE(fs::exists(workspace() / "b" / "stage.json"));
   b_.act = nullptr;
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+}
+
+TEST_F(StageRunnerTest, CancelledWhileTheInputsAreRead) {
+  a_.asked = [this] { cancellation_->Cancel(); };
+  const Status status = Run();
+  EXPECT_EQ(status.code(), StatusCode::kInterrupted);
+  EXPECT_THAT(status.message(), HasSubstr("interrupted before stage a; "));
+  EXPECT_EQ(Runs(), "000");
+  a_.asked = nullptr;
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+
+  // The photo, which is old enough then, is read first. It is remembered.
+  std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+  fs::remove(FingerprintCachePath(workspace()));
+  b_.asked = [this] { cancellation_->Cancel(); };
+  EXPECT_EQ(Run().code(), StatusCode::kInterrupted);
+  EXPECT_THAT(ReadText(FingerprintCachePath(workspace())), HasSubstr("1.jpg"));
+  b_.asked = nullptr;
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "111");
 }

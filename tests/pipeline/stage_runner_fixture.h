@@ -31,6 +31,7 @@ struct Script {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path optional_input;      // Read if it is there.
   std::function<Status(StageContext&)> act;  // Before the output is written.
+  std::function<void()> asked;               // Which inputs there are.
   std::function<StageNeed(const StageContext&)> need;  // But its disk_bytes.
   int runs = 0;
   bool resumed = false;
@@ -46,6 +47,7 @@ class TextStage : public Stage {
   int version() const override { return script_->version; }
   std::vector<std::filesystem::path> Inputs(
       const StageContext& context) const override {
+    if (script_->asked) script_->asked();
     std::vector<std::filesystem::path> inputs = script_->inputs;
     if (name_ == "a") inputs.push_back(context.images);
     const std::filesystem::path& optional = script_->optional_input;
@@ -126,6 +128,7 @@ class StageRunnerTest : public ::testing::Test {
   }
 
   std::vector<StageReport> Inspect() {
+    cancellation_ = std::make_unique<CancellationToken>();
     std::ostringstream console;
     Logger logger(console, /*terminal=*/false, "");
     return MakeRunner(&logger).Inspect();

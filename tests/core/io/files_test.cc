@@ -96,6 +96,11 @@ TEST(FilesTest, LargeFileInSeveralPieces) {
   ASSERT_TRUE(WriteFileAtomic(folder / "f", content).ok());
   EXPECT_EQ(*ReadFile(folder / "f"), content);
   EXPECT_EQ(*HashFile(folder / "f"), HashBytes(content));
+  CancellationToken cancelled;
+  EXPECT_EQ(*HashFile(folder / "f", &cancelled), HashBytes(content));
+  cancelled.Cancel();
+  EXPECT_EQ(HashFile(folder / "f", &cancelled).status().code(),
+            StatusCode::kInterrupted);
 }
 
 TEST(FilesTest, ReadErrorsNameTheFile) {
