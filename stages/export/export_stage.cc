@@ -129,16 +129,21 @@ class ExportStage : public pipeline::Stage {
         const std::optional<SceneInstances> found,
         ReadSceneInstances(context.workspace, scene.model.size()));
 
+    FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
     FREEGS_ASSIGN_OR_RETURN(const splat::PlacedModel world,
                             ReadWorkspaceModel(context.workspace));
     const std::string note = FarAwayNote(scene.frame);
     if (!note.empty()) {
       context.log(pipeline::LogLevel::kWarning, note);
     }
+    // Each of these files may take seconds.
+    FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
     FREEGS_RETURN_IF_ERROR(splat::WritePly(
         context.output / "scene.ply", world.model, world.offset));
+    FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
     FREEGS_RETURN_IF_ERROR(
         splat::WriteSplat(context.output / "scene.splat", world.model));
+    FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
     // Positions and sizes that do not fit into the format are no fault of the
     // scene.
     const fs::path spz_path = context.output / "scene.spz";
@@ -150,6 +155,7 @@ class ExportStage : public pipeline::Stage {
     } else {
       FREEGS_RETURN_IF_ERROR(spz);
     }
+    FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
     if (found) {
       FREEGS_RETURN_IF_ERROR(WriteInstances(world, *found, context));
       FREEGS_RETURN_IF_ERROR(WriteMasks(scene, *found, context));
@@ -158,6 +164,7 @@ class ExportStage : public pipeline::Stage {
                   "bootstrap/ has no instances; masks and boxes are "
                   "left out");
     }
+    FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
     return WriteReport(scene, found, context);
   }
 
@@ -259,6 +266,7 @@ class ExportStage : public pipeline::Stage {
       }
       data.views.push_back(std::move(view));
     }
+    FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
     FREEGS_RETURN_IF_ERROR(WriteViewer(context, &data));
     ListFiles(context.output, &data);
     context.summary["report_views"] = views.size();
@@ -284,12 +292,14 @@ class ExportStage : public pipeline::Stage {
     }
     ViewerSceneOptions options;
     options.max_bytes = kMaxPageSplatBytes;
+    options.cancellation = context.cancellation;
     for (const ReportView& view : data->views) {
       if (!view.photo.empty()) options.pictures[view.name] = view.photo;
     }
     FREEGS_ASSIGN_OR_RETURN(const ViewerScene scene,
                             MakeViewerScene(context.workspace, options));
     data->has_viewer = true;
+    FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
     return WriteFileAtomic(report / "scene.js", ViewerSceneScript(scene));
   }
 

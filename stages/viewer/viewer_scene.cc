@@ -203,12 +203,17 @@ std::string LabelBytes(const Objects& objects,
 }
 
 // All parts with this degree of spherical harmonics, and their bytes.
+// kInterrupted when cancelled.
 StatusOr<int64_t> WriteSplats(const splat::GaussianModel& model,
                               std::span<const std::vector<uint32_t>> parts,
                               int sh_degree,
+                              const CancellationToken* cancellation,
                               std::vector<ViewerScene::Part>* result) {
   int64_t bytes = 0;
   for (size_t p = 0; p < parts.size(); ++p) {
+    if (IsCancelled(cancellation)) {
+      return InterruptedError("stopped while making the scene of the page");
+    }
     FREEGS_ASSIGN_OR_RETURN(
         (*result)[p].splats,
         splat::SerializeSpz(model.Selected(parts[p]),
@@ -247,8 +252,9 @@ StatusOr<ViewerScene> MakeViewerScene(const fs::path& workspace,
   }
   int degree = model.sh_degree;
   for (;; --degree) {
-    FREEGS_ASSIGN_OR_RETURN(const int64_t bytes,
-                            WriteSplats(model, parts, degree, &result.parts));
+    FREEGS_ASSIGN_OR_RETURN(
+        const int64_t bytes,
+        WriteSplats(model, parts, degree, options.cancellation, &result.parts));
     if (degree == 0 || !options.max_bytes || bytes <= *options.max_bytes) break;
   }
 

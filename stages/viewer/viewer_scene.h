@@ -14,6 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/cancellation.h"
 #include "core/status.h"
 
 namespace freegs::stages {
@@ -30,6 +31,9 @@ struct ViewerSceneOptions {
 
   // Pictures of photos, relative to the page, by the photos' names.
   std::map<std::string, std::string> pictures = {};
+
+  // Looked at for each part.
+  const CancellationToken* cancellation = nullptr;
 
   // kInvalidArgument when an option is out of range.
   Status Check() const;
@@ -62,7 +66,7 @@ struct ViewerScene {
 // Reads undistort/, reconstruct/ and, if it exists, bootstrap/ of a workspace.
 // Without bootstrap/ there are no objects; without its hierarchy, or where that
 // has more than 65535 parts, no levels. Errors are those of ReadWorkspaceScene
-// and ReadInstances.
+// and ReadInstances, and kInterrupted.
 StatusOr<ViewerScene> MakeViewerScene(const std::filesystem::path& workspace,
                                       const ViewerSceneOptions& options);
 

@@ -2,6 +2,7 @@
 
 #include "stages/export/export_stage.h"
 
+#include <functional>
 #include <map>
 #include <numeric>
 #include <set>
@@ -39,7 +40,9 @@ class ExportStageTest : public testing::Test {
     context.output = workspace_ / "export";
     context.pool = &pool;
     context.cancellation = &cancellation_;
-    context.progress = [](const Progress&) {};
+    context.progress = [this](const Progress& progress) {
+      if (on_progress_) on_progress_(progress);
+    };
     context.log = [this](pipeline::LogLevel, const std::string& line) {
       log_ += line + "\n";
     };
@@ -91,6 +94,7 @@ class ExportStageTest : public testing::Test {
   SyntheticWorkspace workspace_;
   ThreadPool pool_{2};
   CancellationToken cancellation_;
+  std::function<void(const Progress&)> on_progress_;
   std::string log_;
   nlohmann::json summary_;
 };
@@ -390,8 +394,18 @@ TEST_F(ExportStageTest, InstancesOfAnotherModelAreRefused) {
 }
 
 TEST_F(ExportStageTest, StopsWhenAsked) {
-  cancellation_.Cancel();
+  // At the last picture of the report, before its page.
+  on_progress_ = [this](const Progress& progress) {
+    if (progress.done == progress.total - 1) cancellation_.Cancel();
+  };
   EXPECT_EQ(Run().code(), StatusCode::kInterrupted);
+  EXPECT_TRUE(fs::exists(Out("report/views")));
+  EXPECT_FALSE(fs::exists(Out("report/viewer.js")));
+  EXPECT_FALSE(fs::exists(Out("report/index.html")));
+  // At once, before the first file.
+  fs::remove_all(Out(""));
+  EXPECT_EQ(Run().code(), StatusCode::kInterrupted);
+  EXPECT_FALSE(fs::exists(Out("scene.ply")));
 }
 
 TEST_F(ExportStageTest, OptionsAreInTheTable) {

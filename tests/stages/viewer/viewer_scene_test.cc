@@ -149,6 +149,12 @@ TEST_F(ViewerSceneTest, ErrorsNameWhatIsMissing) {
   EXPECT_EQ(
       MakeViewerScene(workspace_.path(), {.part_size = 0}).status().code(),
       StatusCode::kInvalidArgument);
+  CancellationToken cancelled;
+  cancelled.Cancel();
+  EXPECT_EQ(MakeViewerScene(workspace_.path(), {.cancellation = &cancelled})
+                .status()
+                .code(),
+            StatusCode::kInterrupted);
   std::filesystem::remove(workspace_.path() / "reconstruct/point_cloud.ply");
   const auto scene = MakeViewerScene(workspace_.path(), {});
   EXPECT_EQ(scene.status().code(), StatusCode::kBadInput);
