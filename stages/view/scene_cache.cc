@@ -28,16 +28,29 @@ StatusOr<std::shared_ptr<const SceneParts>> SceneCache::Get() {
         "the 3D viewer was not built into this program; build it with the "
         "viewer, or look at the report");
   }
-  const std::lock_guard lock(mutex_);
+  if (auto parts = Known()) return parts;
+  const Turns::Turn turn(&turns_);
+  if (!turn) return std::shared_ptr<const SceneParts>();
+  // The thread that had the turn before may have made them.
+  if (auto parts = Known()) return parts;
   const std::string stamp = QueryStamp(workspace_);
-  if (parts_ == nullptr || stamp != stamp_) {
+  {
+    // Two scenes at a time may be too large for the memory.
+    const std::lock_guard lock(mutex_);
     parts_ = nullptr;
-    FREEGS_ASSIGN_OR_RETURN(SceneParts parts, make_(workspace_));
-    parts.stamp = stamp;
-    parts_ = std::make_shared<const SceneParts>(std::move(parts));
-    stamp_ = stamp;
   }
-  return parts_;
+  FREEGS_ASSIGN_OR_RETURN(SceneParts made, make_(workspace_));
+  made.stamp = stamp;
+  auto parts = std::make_shared<const SceneParts>(std::move(made));
+  const std::lock_guard lock(mutex_);
+  parts_ = parts;
+  return parts;
+}
+
+std::shared_ptr<const SceneParts> SceneCache::Known() {
+  const std::string stamp = QueryStamp(workspace_);
+  const std::lock_guard lock(mutex_);
+  return parts_ != nullptr && parts_->stamp == stamp ? parts_ : nullptr;
 }
 
 }  // namespace freegs::stages

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/status.h"
+#include "stages/view/turns.h"
 
 namespace freegs::stages {
 
@@ -37,21 +38,27 @@ using MakeSceneFn =
 StatusOr<SceneParts> MakeSceneParts(const std::filesystem::path& workspace);
 
 // Makes the parts when they are first asked for, and again when the workspace
-// has another scene. Several threads may use it.
+// has another scene. Several threads may use it. One of them makes the parts,
+// which can take many seconds. The others do not wait for it: they could be all
+// threads of the server.
 class SceneCache {
  public:
   // Without `make` there is no 3D viewer.
   SceneCache(std::filesystem::path workspace, MakeSceneFn make)
       : workspace_(std::move(workspace)), make_(std::move(make)) {}
 
-  // kMissingDependency without a viewer, else the errors of `make`.
+  // Null while another thread makes the parts. kMissingDependency without a
+  // viewer, else the errors of `make`.
   StatusOr<std::shared_ptr<const SceneParts>> Get();
 
  private:
+  // What was made of the scene that the workspace has now; null without it.
+  std::shared_ptr<const SceneParts> Known();
+
   const std::filesystem::path workspace_;
   const MakeSceneFn make_;
-  std::mutex mutex_;
-  std::string stamp_;
+  Turns turns_{/*max_threads=*/1};
+  std::mutex mutex_;  // Of what follows.
   std::shared_ptr<const SceneParts> parts_;
 };
 

@@ -93,6 +93,10 @@ HttpResponse SceneHasChanged() {
       409, "the scene has changed since this page was opened; load it again");
 }
 
+HttpResponse SceneIsBeingMade() {
+  return BusyResponse("the scene is being made ready; ask again in a second");
+}
+
 }  // namespace
 
 HttpResponse AnswerAboutScene(const fs::path& workspace,
@@ -214,6 +218,7 @@ HttpResponse ViewApi::Api(std::string_view name, const RequestTarget& target) {
   if (name == "scene") {
     const auto scene = scene_.Get();
     if (!scene.ok()) return StatusResponse(scene.status());
+    if (*scene == nullptr) return SceneIsBeingMade();
     HttpResponse response = JsonResponse((*scene)->description);
     response.headers.emplace_back("Scene-Stamp", (*scene)->stamp);
     return response;
@@ -293,6 +298,7 @@ HttpResponse ViewApi::ScenePart(std::string_view name,
   if (!number) return NotFound();
   const auto scene = scene_.Get();
   if (!scene.ok()) return StatusResponse(scene.status());
+  if (*scene == nullptr) return SceneIsBeingMade();
   if (IsAboutAnotherScene(target, (*scene)->stamp)) return SceneHasChanged();
   const auto index = static_cast<size_t>(*number);
   if (index >= (*scene)->parts.size()) return NotFound();

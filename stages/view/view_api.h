@@ -42,8 +42,9 @@ struct ViewApiOptions {
   double queries_per_second = 20;
 
   // So many threads of the server may be busy with questions, and as many with
-  // instances. One of them works and the others wait for it. They must not be
-  // all that there are (ViewServerOptions), or else nothing else is answered.
+  // instances. One of them works and the others wait for it. One more thread
+  // may make the scene (SceneCache). Together they must not be all that there
+  // are (ViewServerOptions), or else nothing else is answered.
   int max_at_once = 3;
 };
 

@@ -141,8 +141,17 @@ export async function openEmbeddedScene(url: string): Promise<SceneSource> {
   };
 }
 
+/** Asks again each second while the server makes the scene ready for others. */
+async function fetchWhenReady(url: string, options?: RequestInit): Promise<Response> {
+  for (;;) {
+    const answer = await fetch(url, options);
+    if (answer.status !== 429) return answer;
+    await new Promise((resolve) => setTimeout(resolve, 1000));
+  }
+}
+
 async function fetchBytes(url: string): Promise<Uint8Array> {
-  const answer = await fetch(url);
+  const answer = await fetchWhenReady(url);
   if (answer.status === 409) {
     throw new Error("the scene has changed meanwhile; load the page again");
   }
@@ -152,13 +161,15 @@ async function fetchBytes(url: string): Promise<Uint8Array> {
 
 /** Whether the server has a scene for the page. */
 export async function hasServedScene(): Promise<boolean> {
-  const answer = await fetch("/api/scene", { method: "HEAD" }).catch(() => null);
+  const answer = await fetchWhenReady("/api/scene", { method: "HEAD" }).catch(
+    () => null,
+  );
   return answer?.ok === true;
 }
 
 /** Null where the server's program was built without the 3D view. */
 export async function openServedScene(): Promise<SceneSource | null> {
-  const answer = await fetch("/api/scene");
+  const answer = await fetchWhenReady("/api/scene");
   if (answer.status === 503) return null;
   if (!answer.ok) {
     const body = await answer.json().catch(() => ({}));

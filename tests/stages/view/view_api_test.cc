@@ -3,6 +3,8 @@
 
 #include "stages/view/view_api.h"
 
+#include <atomic>
+#include <future>
 #include <httplib.h>
 #include <memory>
 #include <string>
@@ -320,6 +322,43 @@ TEST_F(ViewApiTest, TheSceneComesInPartsAndIsMadeOnce) {
     EXPECT_EQ(Get("/api/scene")->status, 200);
   }
   EXPECT_EQ(made, 3);
+}
+
+TEST_F(ViewApiTest, NobodyWaitsWhileTheSceneIsMade) {
+  std::promise<void> begun;
+  std::promise<void> release;
+  std::atomic<int> made = 0;
+  options_.make_scene = [&](const fs::path&) -> StatusOr<SceneParts> {
+    if (++made > 1) return SceneParts{.description = "{}", .parts = {}};
+    begun.set_value();
+    release.get_future().wait();
+    return BadInputError("no scene yet");
+  };
+  Start();
+  auto first = std::async(std::launch::async, [&] {
+    httplib::Client client("127.0.0.1", port());
+    client.set_read_timeout(60);
+    const auto answer = client.Get("/api/scene");
+    return answer ? answer->status : 0;
+  });
+  begun.get_future().wait();
+  // More than there are connections.
+  for (int i = 0; i < 5; ++i) {
+    for (const char* path :
+         {"/api/scene", "/api/parts/0/splats.spz", "/api/parts/0/labels.bin"}) {
+      const auto answer = Get(path);
+      EXPECT_TRUE(answer && answer->status == 429) << path;
+      EXPECT_EQ(answer->get_header_value("Retry-After"), "1");
+    }
+  }
+  EXPECT_EQ(GetJson("/api/status")["live"], true);
+  EXPECT_EQ(made, 1);
+  release.set_value();
+  EXPECT_EQ(first.get(), 409);
+  // What failed is tried again when it is asked for again.
+  EXPECT_EQ(Get("/api/scene")->status, 200);
+  EXPECT_EQ(Get("/api/scene")->status, 200);
+  EXPECT_EQ(made, 2);
 }
 
 TEST_F(ViewApiTest, WithoutAViewerThereIsNoScene) {
