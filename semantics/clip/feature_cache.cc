@@ -2,10 +2,14 @@
 
 #include "semantics/clip/feature_cache.h"
 
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
 #include <string_view>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 
 #include <Eigen/Core>
@@ -88,6 +92,28 @@ StatusOr<ImageF> ParseFeatures(std::string_view content, std::string_view key) {
   return features;
 }
 
+// WriteFileAtomic for a file that another run may write at the same time. Each
+// writer has a temporary file of its own, so that none takes away that of
+// another. The last one to finish replaces what is there.
+Status WriteAmongOthers(const fs::path& path, std::string_view content) {
+  std::string own = path.string() + ".XXXXXX";
+  const int descriptor = mkstemp(own.data());
+  if (descriptor < 0) {
+    return InternalError(own + ": cannot write: " + std::strerror(errno));
+  }
+  close(descriptor);
+  Status status = WriteFileAtomic(own, content);
+  std::error_code error;
+  if (status.ok()) {
+    fs::rename(own, path, error);
+    if (!error) return Status();
+    status =
+        InternalError(path.string() + ": cannot replace: " + error.message());
+  }
+  fs::remove(own, error);
+  return status;
+}
+
 }  // namespace
 
 FeatureCache::FeatureCache(fs::path folder) : folder_(std::move(folder)) {}
@@ -144,8 +170,8 @@ Status FeatureCache::Store(const std::string& image_hash,
   }
   writer.PutChecksum();
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder_));
-  return WriteFileAtomic(FileOf(image_hash, model_hash, kind),
-                         writer.content());
+  return WriteAmongOthers(FileOf(image_hash, model_hash, kind),
+                          writer.content());
 }
 
 StatusOr<ImageF> EncodeDenseCached(ClipEncoder& encoder,

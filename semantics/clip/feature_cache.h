@@ -24,8 +24,9 @@ struct CachedFeatures {
 };
 
 // One file per image, model and kind of features, in half precision. Files are
-// written completely or not at all. Several models may share a folder. Files of
-// models that are no longer used stay until somebody removes the folder.
+// written completely or not at all. Several models may share a folder, and
+// several runs may use it at the same time. Files of models that are no longer
+// used stay until somebody removes the folder.
 class FeatureCache {
  public:
   // The folder is created when features are stored for the first time.

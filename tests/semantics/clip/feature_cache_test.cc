@@ -2,9 +2,14 @@
 
 #include "semantics/clip/feature_cache.h"
 
+#include <atomic>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <iterator>
 #include <limits>
+#include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -144,6 +149,23 @@ TEST_F(FeatureCacheTest, RefusesWhatCannotBeKept) {
   EXPECT_EQ(
       FeatureCache(folder_ / "file").Store("a", "b", "c", Features()).code(),
       StatusCode::kInternal);
+}
+
+TEST_F(FeatureCacheTest, SeveralMayStoreTheSame) {
+  std::vector<std::thread> threads;
+  std::atomic<int> failures = 0;
+  for (int t = 0; t < 8; ++t) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 20; ++i) {
+        if (!Store(Features()).ok() || !Find().features) ++failures;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(failures, 0);
+  // Nothing temporary is left.
+  const std::filesystem::directory_iterator files(folder_ / "features");
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1);
 }
 
 // Counts how often it is asked.
