@@ -37,7 +37,7 @@ constexpr std::array<std::pair<StatusCode, const char*>, 7> kCodes = {{
 }};
 
 template <typename Table, typename T>
-const char* NameOf(const Table& table, T value) {
+const char* WordOf(const Table& table, T value) {
   for (const auto& [known, name] : table) {
     if (known == value) return name;
   }
@@ -141,7 +141,7 @@ json ToJson(const StageFingerprint& fingerprint) {
 
 json ToJson(const StageRecord& record) {
   json object = ToJson(record.fingerprint);
-  object["status"] = NameOf(kOutcomes, record.outcome);
+  object["status"] = WordOf(kOutcomes, record.outcome);
   object["program_version"] = record.program_version;
   object["other_options"] = record.other_options;
   object["wall_seconds"] = record.wall_seconds;
@@ -154,7 +154,7 @@ json ToJson(const StageRecord& record) {
   object["outputs"] = record.outputs;
   object["contents"] = record.contents;
   if (record.error_code != StatusCode::kOk) {
-    object["error"] = {{"code", NameOf(kCodes, record.error_code)},
+    object["error"] = {{"code", WordOf(kCodes, record.error_code)},
                        {"message", record.error}};
   }
   return object;
