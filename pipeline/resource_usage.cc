@@ -7,6 +7,7 @@
 #include <string_view>
 #include <sys/resource.h>
 
+#include "core/number_text.h"
 #include "pipeline/system_info.h"
 
 namespace freegs::pipeline {
@@ -48,6 +49,18 @@ int64_t PeakSinceReset() {
 }
 
 }  // namespace
+
+ResourceUsage Sum(const ResourceUsage& a, const ResourceUsage& b) {
+  return {a.wall_seconds + b.wall_seconds,
+          a.cpu_seconds + b.cpu_seconds,
+          std::max(a.peak_memory_bytes, b.peak_memory_bytes)};
+}
+
+std::string ToText(const ResourceUsage& usage) {
+  return FormatSeconds(usage.wall_seconds) + " (" +
+         FormatSeconds(usage.cpu_seconds) + " CPU, peak " +
+         FormatBytes(static_cast<double>(usage.peak_memory_bytes)) + ")";
+}
 
 int64_t ResidentMemoryBytes() { return StatusBytes("VmRSS:"); }
 

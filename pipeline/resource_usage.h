@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string>
 
 namespace freegs::pipeline {
 
@@ -14,6 +15,13 @@ struct ResourceUsage {
   double cpu_seconds = 0;  // All threads, and child processes that ended.
   int64_t peak_memory_bytes = 0;  // Largest resident size of one process.
 };
+
+// What two works that follow each other take: the sums of their times, and the
+// larger peak.
+ResourceUsage Sum(const ResourceUsage& a, const ResourceUsage& b);
+
+// "12 s (20 s CPU, peak 1.2 GB)".
+std::string ToText(const ResourceUsage& usage);
 
 // The resident size of this process now; 0 where the system does not tell.
 int64_t ResidentMemoryBytes();

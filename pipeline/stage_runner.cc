@@ -9,7 +9,6 @@
 #include <system_error>
 #include <utility>
 
-#include "core/number_text.h"
 #include "core/out_of_memory.h"
 #include "pipeline/progress_file.h"
 #include "pipeline/progress_line.h"
@@ -26,18 +25,6 @@ namespace fs = std::filesystem;
 
 std::string NameOf(const RunnerStage& stage) {
   return std::string(stage.stage->name());
-}
-
-ResourceUsage Sum(const ResourceUsage& a, const ResourceUsage& b) {
-  return {a.wall_seconds + b.wall_seconds,
-          a.cpu_seconds + b.cpu_seconds,
-          std::max(a.peak_memory_bytes, b.peak_memory_bytes)};
-}
-
-std::string UsageText(const ResourceUsage& usage) {
-  return FormatSeconds(usage.wall_seconds) + " (" +
-         FormatSeconds(usage.cpu_seconds) + " CPU, peak " +
-         FormatBytes(static_cast<double>(usage.peak_memory_bytes)) + ")";
 }
 
 // "sfm: text".
@@ -458,7 +445,7 @@ Status StageRunner::RunStage(RunnerStage& stage,
       MakeRecord(stage, start.fingerprint, need, usage, context);
   if (!status.ok()) return NoteFailure(stage, status, context, &record);
   FREEGS_RETURN_IF_ERROR(PutInPlace(stage, context, &record));
-  logger_.Log(LogLevel::kInfo, name + ": done in " + UsageText(usage));
+  logger_.Log(LogLevel::kInfo, name + ": done in " + ToText(usage));
   return Status();
 }
 

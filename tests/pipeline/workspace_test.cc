@@ -136,6 +136,11 @@ TEST(InterruptGuardTest, FirstSignalCancels) {
   }
 }
 
+TEST(ResourceUsageTest, TimesAddUpAndTheLargerPeakStays) {
+  const ResourceUsage sum = Sum({1, 2, 5'000'000}, {11, 18, 3'000'000});
+  EXPECT_EQ(ToText(sum), "12 s (20 s CPU, peak 5.0 MB)");
+}
+
 TEST(ResourceMeterTest, CountsWorkAndMemory) {
   const ResourceMeter meter(PeakMemory::kReset);
   std::vector<char> block(size_t{64} << 20);
