@@ -22,13 +22,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kHashDigits = 8;
+constexpr size_t kCellHashDigits = 8;
 
 // A folder name that says a little, and is only this cell's.
 std::string FolderName(const Suite& suite, const SuiteCell& cell) {
   std::string name = suite.scenes[cell.scene].name + "_" + cell.grid + "_" +
                      std::to_string(cell.seed) + "_" +
-                     HashBytes(cell.id).substr(0, kHashDigits);
+                     HashBytes(cell.id).substr(0, kCellHashDigits);
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;
 }

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kMaker[] = "freegs_make_scene";
-constexpr size_t kHashDigits = 12;
+constexpr size_t kFolderHashDigits = 12;
 
 // An empty folder beside `folder`, which is renamed when it is complete, so
 // that a killed bench leaves no half of it.
@@ -48,8 +48,9 @@ StatusOr<fs::path> Drawn(const SuiteScene& scene, const BenchContext& context) {
   for (const std::string& word : scene.draw) key += '\0' + word;
   std::string name = scene.name;
   std::replace(name.begin(), name.end(), ' ', '_');
-  const fs::path folder = context.out / "scenes" /
-                          (name + "_" + HashBytes(key).substr(0, kHashDigits));
+  const fs::path folder =
+      context.out / "scenes" /
+      (name + "_" + HashBytes(key).substr(0, kFolderHashDigits));
   if (fs::exists(folder, error)) return folder;
   FREEGS_ASSIGN_OR_RETURN(const fs::path partial, FreshPartial(folder));
   context.say("drawing scene " + scene.name);
@@ -97,7 +98,7 @@ StatusOr<fs::path> Disturbed(const DisturbSource& source,
   const std::string key =
       source.hash + '\0' + disturbance + '\0' + std::to_string(seed);
   const fs::path folder =
-      context.out / source.kind / HashBytes(key).substr(0, kHashDigits);
+      context.out / source.kind / HashBytes(key).substr(0, kFolderHashDigits);
   std::error_code error;
   if (fs::exists(folder, error)) return folder;
   FREEGS_ASSIGN_OR_RETURN(const fs::path partial, FreshPartial(folder));

@@ -41,7 +41,7 @@ void ExpectNear(const RowMatrix& result, const Eigen::MatrixXd& expected) {
   }
 }
 
-Rows View(RowMatrix& matrix) {
+Rows RowsOf(RowMatrix& matrix) {
   return {matrix.data(), matrix.rows(), matrix.cols()};
 }
 
@@ -58,21 +58,21 @@ TEST(MatrixProducts, AgreeWithProductsInDouble) {
     const RowMatrix b_transposed = b.transpose().cast<float>();
 
     RowMatrix result = start.cast<float>();
-    AddProduct(a_float, b_float, pool, View(result));
+    AddProduct(a_float, b_float, pool, RowsOf(result));
     ExpectNear(result, start + product);
 
     result = start.cast<float>();
-    AddTransposedProduct(a_transposed, b_float, pool, View(result));
+    AddTransposedProduct(a_transposed, b_float, pool, RowsOf(result));
     ExpectNear(result, start + product);
 
     const std::vector<float> biases = RandomValues(size.m, 4);
     Eigen::MatrixXd expected = product;
     ApplyLayer(
-        a_float, b_transposed, {}, Activation::kNone, pool, View(result));
+        a_float, b_transposed, {}, Activation::kNone, pool, RowsOf(result));
     ExpectNear(result, expected);
     for (int64_t j = 0; j < size.m; ++j) expected.col(j).array() += biases[j];
     ApplyLayer(
-        a_float, b_transposed, biases, Activation::kRelu, pool, View(result));
+        a_float, b_transposed, biases, Activation::kRelu, pool, RowsOf(result));
     ExpectNear(result, expected.cwiseMax(0));
   }
 }
@@ -87,11 +87,11 @@ TEST(MatrixProducts, AreTheSameBytesForAnyNumberOfThreads) {
   for (const int threads : {1, 2, 5}) {
     ThreadPool pool(threads);
     products.push_back(RowMatrix::Zero(301, 203));
-    AddProduct(a, b, pool, View(products.back()));
+    AddProduct(a, b, pool, RowsOf(products.back()));
     transposed.push_back(RowMatrix::Zero(131, 203));
-    AddTransposedProduct(a, c, pool, View(transposed.back()));
+    AddTransposedProduct(a, c, pool, RowsOf(transposed.back()));
     layers.push_back(RowMatrix::Zero(301, 131));
-    ApplyLayer(c, b, {}, Activation::kNone, pool, View(layers.back()));
+    ApplyLayer(c, b, {}, Activation::kNone, pool, RowsOf(layers.back()));
   }
   for (size_t k = 1; k < products.size(); ++k) {
     EXPECT_EQ(products[k], products[0]);

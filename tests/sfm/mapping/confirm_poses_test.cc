@@ -20,13 +20,13 @@ using testing::IsEmpty;
 using testing::SizeIs;
 using Models = std::vector<Reconstruction>;
 
-constexpr int kPhotos = 10;
+constexpr int kNumPhotos = 10;
 
 class ConfirmPosesTest : public testing::Test {
  protected:
   // A model with all photos, of which those of `moved` are in a wrong place.
   static Reconstruction Model(const std::vector<size_t>& moved = {}) {
-    Reconstruction model = InAnotherWorld(SyntheticModel(kPhotos, 20));
+    Reconstruction model = InAnotherWorld(SyntheticModel(kNumPhotos, 20));
     for (const size_t i : moved) MovePhoto(i, &model);
     return model;
   }
@@ -43,7 +43,7 @@ class ConfirmPosesTest : public testing::Test {
   // Then COLMAP's own choice leads to the first models again.
   StatusOr<ConfirmedPoses> Run(const Models& first, const Models& further) {
     return ConfirmPoses(first,
-                        kPhotos / 2,
+                        kNumPhotos / 2,
                         [&](const std::string&, std::optional<size_t> skip)
                             -> StatusOr<std::optional<AttemptResult>> {
                           AttemptResult result;
@@ -93,7 +93,7 @@ TEST_F(ConfirmPosesTest, AnUnconfirmedPhotoIsTakenOut) {
   EXPECT_FALSE(confirmed->replaced);
   EXPECT_THAT(confirmed->uncertain, ElementsAre(PhotoName(3)));
   ASSERT_THAT(confirmed->models, SizeIs(2));
-  EXPECT_THAT(confirmed->models[0].images, SizeIs(kPhotos - 1));
+  EXPECT_THAT(confirmed->models[0].images, SizeIs(kNumPhotos - 1));
   EXPECT_TRUE(CheckReconstruction(confirmed->models[0]).ok());
   EXPECT_THAT(confirmed->models[1].images, SizeIs(1));
 }
@@ -128,7 +128,7 @@ TEST_F(ConfirmPosesTest, MostPhotosAreNotTakenOut) {
 
 TEST_F(ConfirmPosesTest, WhatIsTooSmallOrTheSameSaysNothing) {
   Reconstruction small = Model();
-  small.images.resize(kPhotos / 2 - 1);
+  small.images.resize(kNumPhotos / 2 - 1);
   const auto confirmed = Run({Model()}, {small, Another(Model(), -2)});
   ASSERT_TRUE(confirmed.ok());
   ASSERT_THAT(confirmed->attempts, SizeIs(3));

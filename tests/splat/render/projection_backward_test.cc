@@ -20,7 +20,7 @@ namespace {
 
 constexpr LearningRates kLearningRates = {
     1e-3f, 5e-3f, 2e-3f, 5e-2f, 2.5e-3f, 1e-4f};
-constexpr double kExtent = 2;
+constexpr double kSceneExtent = 2;
 
 // Bytes, not values: memcmp also tells -0 from 0.
 bool SameBytes(const GaussianModel& a, const GaussianModel& b) {
@@ -89,7 +89,7 @@ TEST(ProjectionBackward, ChunksGiveTheBytesOfSeparatePasses) {
     ASSERT_LT(visible.size(), 1200u);
     separate.adam.Step(
         kLearningRates, gradients, visible, pool, &separate.model);
-    EXPECT_TRUE(BoundParameters(kExtent, visible, &separate.model));
+    EXPECT_TRUE(BoundParameters(kSceneExtent, visible, &separate.model));
   }
   ASSERT_FALSE(SameBytes(separate.model, ModelWithGaps()));
 
@@ -109,7 +109,7 @@ TEST(ProjectionBackward, ChunksGiveTheBytesOfSeparatePasses) {
               const GaussianGradients& rows) {
             updated += visible.size();
             fused.adam.UpdateRows(visible, rows, &fused.model);
-            BoundParameters(kExtent, visible, &fused.model);
+            BoundParameters(kSceneExtent, visible, &fused.model);
           });
       EXPECT_EQ(updated, fused.rasterizer.projection().size());
     }
