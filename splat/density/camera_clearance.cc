@@ -116,7 +116,7 @@ class NearBalls {
     }
   }
 
-  double side_ = 1;  // Of a cube.
+  double side_ = 1;  // How long the edges of a cube are.
   size_t mask_ = 0;  // The number of places, a power of two, less one.
   // The balls of place p are those from begins_[p] to begins_[p + 1].
   std::vector<uint32_t> begins_;

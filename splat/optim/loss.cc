@@ -53,7 +53,7 @@ struct PhotometricLoss::Layout {
   int height = 0;
   SsimWindow window = {};
   const float* zeros = nullptr;  // One row.
-  float* scratch = nullptr;      // Of the first worker; the others follow.
+  float* scratch = nullptr;  // One block for each worker, one after the other.
   SsimDerivativeRow derivatives = {};  // The first rows of maps of all pixels.
 
   double count() const { return static_cast<double>(n * height); }

@@ -107,7 +107,9 @@ double PhotosReadAgain(const ReconstructStageOptions& options,
   return fetched * (1 - kept) * (1 - std::log(1 - kept));
 }
 
-// Of all photos before the training, and of those that are read again.
+// Seconds for reading all photos before the training, and for reading again
+// those that memory does not keep. `kept` is the share of the photos that it
+// keeps.
 double ReadingSeconds(const ReconstructStageOptions& options,
                       const splat::ScheduleOptions& schedule,
                       double kept,

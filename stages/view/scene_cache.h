@@ -58,7 +58,7 @@ class SceneCache {
   const std::filesystem::path workspace_;
   const MakeSceneFn make_;
   Turns turns_{/*max_threads=*/1};
-  std::mutex mutex_;  // Of what follows.
+  std::mutex mutex_;  // Guards parts_.
   std::shared_ptr<const SceneParts> parts_;
 };
 

@@ -93,7 +93,7 @@ TEST(ReconstructForecastTest, ReadingPhotosTakesTime) {
   options.image_cache_gb = 1;
   EXPECT_LT(seconds(1000, 6000, 4000), again);
   options.image_cache_gb = 1000;
-  // Of an import only the holdout is read.
+  // An imported scene is not trained, so only the holdout is read.
   options.import = "scene.ply";
   EXPECT_GT(seconds(1000, 6000, 4000), 125 * 0.3);
   EXPECT_LT(seconds(1000, 6000, 4000), 125 * 0.9);

@@ -70,7 +70,7 @@ class TrainingRunTest : public ReconstructFixture {
     ASSERT_TRUE(trainer.Restore(*std::move(checkpoint)).ok());
     CancellationToken cancelled;
     cancelled.Cancel();
-    double loss_sum = 0;  // Of the steps since the row of step 50.
+    double loss_sum = 0;  // The sum over the steps since the row of step 50.
     while (trainer.iteration() < 100) {
       const StatusOr<splat::StepReport> report = trainer.Step(&cancelled);
       ASSERT_TRUE(report.ok()) << report.status().message();
