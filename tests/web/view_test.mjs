@@ -262,9 +262,9 @@ test("a run under way is shown until its scene is there", async () => {
       "--preset",
       "fast",
       "--reconstruct.iterations",
-      "600",
+      "300",
       "--reconstruct.budget",
-      "10000",
+      "5000",
     ],
     { stdio: "ignore" },
   );
