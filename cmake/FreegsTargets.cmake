@@ -16,7 +16,7 @@ if(FREEGS_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC collects its garbage only beyond this many kB: a tenth less time for at
-  # most 1.2 GB a compiler.
+  # most 2 GB a compiler.
   target_compile_options(freegs_warnings INTERFACE
     "SHELL:--param ggc-min-heapsize=1000000")
 endif()
