@@ -16,8 +16,8 @@ struct ResourceUsage {
   int64_t peak_memory_bytes = 0;  // Largest resident size of one process.
 };
 
-// What two works that follow each other take: the sums of their times, and the
-// larger peak.
+// The usage of two pieces of work, one after the other: the sums of their
+// times, and the larger peak.
 ResourceUsage Sum(const ResourceUsage& a, const ResourceUsage& b);
 
 // "12 s (20 s CPU, peak 1.2 GB)".

@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 #include "core/quantile.h"
 #include "core/random.h"
@@ -16,8 +17,8 @@ namespace {
 
 constexpr int64_t kGaussianGrain = 4096;
 
-// Distances from the camera of the points that its picture shows, of the
-// points that ClearBalls looks at.
+// Distances from the camera of the points that its picture shows. Of more than
+// kMaxClearancePoints points an even sample is looked at.
 void VisibleDistances(const View& view,
                       const GaussianModel& points,
                       std::vector<float>* distances) {
@@ -53,9 +54,9 @@ class NearBalls {
     for (const ClearBall& ball : balls) {
       cubed_radii += std::pow(static_cast<double>(ball.radius), 3);
     }
-    // With this side there are as many balls as cubes would fill the boxes
-    // around all of them. So a ball touches about 8 cubes at most on average,
-    // however different the sizes of the balls are.
+    // A cube has the mean volume of the boxes around the balls. So a ball
+    // touches about 8 cubes at most on average, however different the sizes of
+    // the balls are.
     side_ = 2 * std::cbrt(cubed_radii / static_cast<double>(balls.size()));
     mask_ = std::bit_ceil(16 * balls.size()) - 1;
     begins_.assign(mask_ + 2, 0);
@@ -63,9 +64,8 @@ class NearBalls {
     for (const ClearBall& ball : balls) {
       ForEachPlace(ball, [this](size_t place) { ++begins_[place]; });
     }
-    uint32_t total = 0;
-    for (uint32_t& begin : begins_) begin = total += begin;
-    listed_.resize(total);
+    std::inclusive_scan(begins_.begin(), begins_.end(), begins_.begin());
+    listed_.resize(begins_.back());
     for (const ClearBall& ball : balls) {
       ForEachPlace(ball,
                    [&](size_t place) { listed_[--begins_[place]] = ball; });

@@ -35,7 +35,7 @@ bool ChildOutcome::IsFinal(double limit_s) const {
 
 std::string KindOfLine(const std::string& line) {
   std::string kind;
-  bool begins_word = true;  // Whether the number before did.
+  bool begins_word = true;  // Whether the last number is the start of a word.
   for (const char c : line) {
     const bool after_number = kind.ends_with('#');
     if (IsDigit(c)) {

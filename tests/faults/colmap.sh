@@ -42,7 +42,8 @@ ends_hanging_colmap() {
   sleep 1
   expect_exit_after_signals 130 INT && runs_to_same_poses
 }
-# leaves_no_child_of_colmap SIGNAL CODE: which comes twice.
+# leaves_no_child_of_colmap SIGNAL CODE: the signal comes twice, and the run ends with
+# the exit code.
 leaves_no_child_of_colmap() {
   write_fake_colmap feature_extractor "sleep 1000 & echo \$! >${PWD@Q}/grandchild; wait"
   rm -f grandchild
