@@ -3,71 +3,21 @@
 #include "stages/commands/render_command.h"
 
 #include <cmath>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "stages/scene/scene_instances.h"
-#include "tests/stages/camera_json.h"
+#include "tests/stages/commands/render_fixture.h"
 #include "tests/stages/moved_world.h"
-#include "tests/stages/synthetic_workspace.h"
 
 namespace freegs::stages {
 namespace {
 
 using testing::HasSubstr;
 
-class RenderCommandTest : public testing::Test {
- protected:
-  Status Render(std::vector<std::string> arguments) {
-    CommandContext context{output_, messages_, cancellation_, "freegs"};
-    return RunRenderCommand(arguments, context);
-  }
-
-  std::string out() const { return (out_.path() / "sub").string(); }
-  std::string workspace() const { return workspace_.path().string(); }
-
-  splat::RenderOptions WhiteBackground() const {
-    splat::RenderOptions options;
-    options.background = {1, 1, 1};
-    return options;
-  }
-
-  // A camera file of the workspace's views in a world that is scaled, turned
-  // and moved, and one more view; `rename` is put before the photos' names.
-  nlohmann::json MovedCameras(const std::string& rename) const {
-    Sim3d file_from_scene;
-    file_from_scene.scale = 2.5;
-    file_from_scene.rotation =
-        Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized());
-    file_from_scene.translation = Eigen::Vector3d(4, -5, 6);
-    return Cameras(rename, file_from_scene);
-  }
-
-  nlohmann::json Cameras(const std::string& rename,
-                         const Sim3d& file_from_scene) const {
-    const auto matrix = [&](const Rigid3d& cam_from_scene) {
-      return PoseJson(TransformCamera(file_from_scene, cam_from_scene));
-    };
-    nlohmann::json file;
-    file["intrinsics"] = IntrinsicsJson(workspace_.views[0].camera);
-    for (const View& view : workspace_.views) {
-      file["train"][rename + view.name] = matrix(view.cam_from_world);
-    }
-    file["test"]["new.png"] = matrix(workspace_.views[3].cam_from_world);
-    return file;
-  }
-
-  SyntheticWorkspace workspace_;
-  TemporaryFolder out_;
-  CancellationToken cancellation_;
-  std::ostringstream output_;
-  std::ostringstream messages_;
-  ThreadPool pool_{2};
-};
+class RenderCommandTest : public RenderFixture {};
 
 TEST_F(RenderCommandTest, ColorIsTheRendererAtTrainingSize) {
   const Status status = Render({workspace(), "--out", out()});
@@ -286,151 +236,6 @@ TEST_F(RenderCommandTest, SemanticsHaveOneColourPerMeaning) {
       128);
 }
 
-TEST_F(RenderCommandTest, FilmOfAnOrbit) {
-  workspace_.AddInstances();
-  const std::string film = (out_.path() / "sub" / "film.mp4").string();
-  for (const char* what : {"color", "depth", "instances", "both"}) {
-    const Status status = Render({workspace(),
-                                  "--path",
-                                  "orbit",
-                                  "--video",
-                                  film,
-                                  "--what",
-                                  what,
-                                  "--seconds",
-                                  "0.5",
-                                  "--fps",
-                                  "20"});
-    ASSERT_TRUE(status.ok()) << status.message();
-    cv::VideoCapture capture(film);
-    ASSERT_TRUE(capture.isOpened());
-    const bool both = std::string(what) == "both";
-    EXPECT_EQ(capture.get(cv::CAP_PROP_FRAME_WIDTH), both ? 64 : 32);
-    EXPECT_EQ(capture.get(cv::CAP_PROP_FRAME_HEIGHT), 24);
-    EXPECT_EQ(capture.get(cv::CAP_PROP_FRAME_COUNT), 10);
-    EXPECT_EQ(capture.get(cv::CAP_PROP_FPS), 20);
-  }
-  EXPECT_THAT(output_.str(), HasSubstr("10 pictures of 64 x 24 in"));
-}
-
-TEST_F(RenderCommandTest, FilmThroughThePhotosAndThroughAFile) {
-  const std::string cameras = (out_.path() / "cameras.json").string();
-  WriteText(cameras, MovedCameras("").dump());
-  for (const std::string& path : {std::string("photos"), cameras}) {
-    const Status status = Render({workspace(),
-                                  "--path",
-                                  path,
-                                  "--video",
-                                  (out_.path() / "f.mp4").string(),
-                                  "--seconds",
-                                  "1",
-                                  "--fps",
-                                  "5"});
-    ASSERT_TRUE(status.ok()) << status.message();
-  }
-  // The file has a single view that is no photo.
-  ASSERT_TRUE(Render({workspace(),
-                      "--path",
-                      cameras,
-                      "--out",
-                      out(),
-                      "--seconds",
-                      "1",
-                      "--fps",
-                      "3"})
-                  .ok());
-  EXPECT_THAT(output_.str(), HasSubstr("3 pictures"));
-  const auto frame = ReadRgb(out_.path() / "sub" / "frame_0002.png");
-  ASSERT_TRUE(frame.ok());
-  const ImageU8 expected =
-      ToU8(splat::RenderView(workspace_.model,
-                             workspace_.views[3].camera,
-                             workspace_.views[3].cam_from_world,
-                             WhiteBackground(),
-                             pool_)
-               .color);
-  EXPECT_EQ(frame->width(), expected.width());
-  double difference = 0;
-  for (size_t k = 0; k < expected.size(); ++k) {
-    difference += std::abs(frame->data()[k] - expected.data()[k]);
-  }
-  EXPECT_LT(difference / static_cast<double>(expected.size()), 1);
-}
-
-TEST_F(RenderCommandTest, FramesOfALongerWayAreRemoved) {
-  const auto render = [&](const char* seconds, const char* what) {
-    output_.str("");
-    return Render({workspace(),
-                   "--path",
-                   "orbit",
-                   "--out",
-                   out(),
-                   "--what",
-                   what,
-                   "--seconds",
-                   seconds,
-                   "--fps",
-                   "4"});
-  };
-  const auto exists = [&](const char* name) {
-    return std::filesystem::exists(std::filesystem::path(out()) / name);
-  };
-  ASSERT_TRUE(render("1", "depth").ok());
-  EXPECT_TRUE(exists("frame_0004.png"));
-  EXPECT_TRUE(exists("preview/frame_0004.png"));
-  ASSERT_TRUE(render("0.5", "depth").ok());
-  EXPECT_THAT(output_.str(), HasSubstr("2 pictures of a longer path"));
-  for (const char* name : {"frame_0001.png", "frame_0002.png"}) {
-    EXPECT_TRUE(exists(name)) << name;
-    EXPECT_TRUE(exists((std::string("preview/") + name).c_str())) << name;
-  }
-  for (const char* name : {"frame_0003.png", "frame_0004.png"}) {
-    EXPECT_FALSE(exists(name)) << name;
-    EXPECT_FALSE(exists((std::string("preview/") + name).c_str())) << name;
-  }
-}
-
-TEST_F(RenderCommandTest, FramesOfSomebodyElseStay) {
-  const auto render = [&](const char* seconds, const char* what) {
-    output_.str("");
-    return Render({workspace(),
-                   "--path",
-                   "orbit",
-                   "--out",
-                   out(),
-                   "--what",
-                   what,
-                   "--seconds",
-                   seconds,
-                   "--fps",
-                   "4"});
-  };
-  const std::filesystem::path folder = out();
-  for (const char* name : {"frame_0003.png", "frame_0004.png"}) {
-    WriteText(folder / name, "mine");
-    WriteText(folder / "preview" / name, "mine");
-  }
-  ASSERT_TRUE(render("0.5", "color").ok());
-  EXPECT_THAT(output_.str(), HasSubstr("frame_0003.png and later frames stay"));
-  EXPECT_EQ(ReadText(folder / "frame_0003.png"), "mine");
-  EXPECT_EQ(ReadText(folder / "frame_0004.png"), "mine");
-
-  // The list covers three frames, and no previews.
-  ASSERT_TRUE(render("0.75", "color").ok());
-  ASSERT_TRUE(render("0.25", "color").ok());
-  EXPECT_THAT(output_.str(), HasSubstr("2 pictures of a longer path"));
-  EXPECT_THAT(output_.str(), HasSubstr("frame_0004.png and later frames stay"));
-  EXPECT_TRUE(std::filesystem::exists(folder / "frame_0001.png"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "frame_0003.png"));
-  EXPECT_EQ(ReadText(folder / "frame_0004.png"), "mine");
-  EXPECT_EQ(ReadText(folder / "preview" / "frame_0003.png"), "mine");
-
-  // A list that is damaged covers nothing.
-  WriteText(folder / "rendered_frames.json", R"({"frames": -1})");
-  ASSERT_TRUE(render("0.25", "color").ok());
-  EXPECT_EQ(ReadText(folder / "frame_0004.png"), "mine");
-}
-
 TEST_F(RenderCommandTest, FoldersOfStagesAreNoPlaceForPictures) {
   const std::string place =
       (workspace_.path() / "undistort" / "images").string();
@@ -468,27 +273,6 @@ TEST_F(RenderCommandTest, OnlyShowsTheObjectAlone) {
   EXPECT_TRUE(status.ok()) << status.message();
   EXPECT_EQ(Render({workspace(), "--out", out(), "--only", "9"}).code(),
             StatusCode::kInvalidArgument);
-}
-
-TEST_F(RenderCommandTest, WordsOfFilmsThatDoNotFit) {
-  const std::vector<std::vector<std::string>> wrong = {
-      {"--video", "a.mp4"},
-      {"--out", "a", "--seconds", "3"},
-      {"--video", "a.gif", "--path", "orbit"},
-      {"--video", "a.mp4", "--path", "orbit", "--cameras", "c.json"},
-      {"--out", "a", "--what", "both"},
-      {"--out", "a", "--path", "orbit", "--what", "both"},
-      {"--video", "a.mp4", "--path", "orbit", "--no-align"},
-      {"--video", "a.mp4", "--path", "orbit", "--seconds", "0"}};
-  for (std::vector<std::string> words : wrong) {
-    words.insert(words.begin(), workspace());
-    EXPECT_EQ(Render(words).code(), StatusCode::kInvalidArgument)
-        << testing::PrintToString(words);
-  }
-  EXPECT_EQ(
-      Render({workspace(), "--video", out() + ".mp4", "--path", "none.json"})
-          .code(),
-      StatusCode::kBadInput);
 }
 
 TEST_F(RenderCommandTest, WrongUsage) {
