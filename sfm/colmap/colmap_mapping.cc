@@ -93,6 +93,13 @@ void BeginWith(const InitialPair& pair, ColmapArguments* arguments) {
       FormatFixed(std::min(kUsualStartAngleDeg, pair.angle_deg / 2), 3));
 }
 
+// The names of the photos, one in each line.
+std::string ListOf(const std::vector<SfmPhoto>& photos) {
+  std::string list;
+  for (const SfmPhoto& photo : photos) list += photo.name + "\n";
+  return list;
+}
+
 // Where the mapper is to put its models, in the folder of MapPhotos.
 fs::path ModelsFolder(const fs::path& folder) { return folder / "models"; }
 
@@ -111,6 +118,11 @@ StatusOr<ChildCommand> MapperCommand(const StepContext& context,
     const fs::path start = folder / "start";
     FREEGS_RETURN_IF_ERROR(WriteModel(start, *options.start));
     arguments.Require("input_path", start.string());
+  }
+  if (options.listed) {
+    const fs::path list = folder / "image_list.txt";
+    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(list, ListOf(context.input.photos)));
+    arguments.Require("image_list_path", list.string());
   }
   // One thread: sums of bundle adjustment are then always in the same order.
   arguments.AddAll({"Mapper.num_threads"}, "1");

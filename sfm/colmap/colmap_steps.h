@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The steps of structure from motion that COLMAP does: cameras, matches,
-// mapping, and points for known poses. The caller decides on their order and
-// remembers what is done.
+// mapping, poses for further photos, and points for known poses. The caller
+// decides on their order and remembers what is done.
 //
 //   FREEGS_RETURN_IF_ERROR(RegisterPhotos(context, database));
 //   FREEGS_RETURN_IF_ERROR(ExtractFeatures(context, database));
@@ -121,6 +121,10 @@ struct MapperOptions {
   // has few of the photos, and begins elsewhere.
   bool small_models = false;
 
+  // Whether to map only the photos of the context's input, and not all of the
+  // database.
+  bool listed = false;
+
   // A model to which the other photos are registered. Its ids are those of the
   // database. It must outlive the call.
   const Reconstruction* start = nullptr;
@@ -138,6 +142,18 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
     const MapperOptions& options);
+
+// Gives the photos that a model lacks a pose each, by the points of the model
+// that they see. Neither the model nor its points change. Photos that see too
+// few points are left out. `model` has the ids of the database. `folder` is
+// made anew for COLMAP's output and deleted at the end. Errors: those of a
+// COLMAP command, with kUnusableResult for a crash, and for a lens that no
+// photo has.
+StatusOr<Reconstruction> RegisterOtherPhotos(
+    const StepContext& context,
+    const std::filesystem::path& database,
+    const std::filesystem::path& folder,
+    const Reconstruction& model);
 
 // Finds the 3D points that the verified matches in the database show from the
 // given poses. Poses and cameras stay as they are. `poses` has images without

@@ -31,6 +31,9 @@ StatusOr<Reconstruction> TriangulatePoints(const StepContext& context,
   arguments.Require("input_path", given.string());
   arguments.Require("output_path", output.string());
   arguments.Prefer({"Mapper.extract_colors"}, "0");
+  // The points move alone, and nearly all of what they gain comes early.
+  arguments.Prefer({"Mapper.ba_global_max_refinements"}, "1");
+  arguments.Prefer({"Mapper.ba_global_function_tolerance"}, "1e-4");
   // One thread: sums of bundle adjustment are then always in the same order.
   arguments.AddAll({"Mapper.num_threads"}, "1");
   arguments.AddAll({"random_seed", "default_random_seed", "Mapper.random_seed"},

@@ -40,6 +40,10 @@ struct SfmOptions {
   // Which pairs of photos are matched.
   PairSelectionOptions pairs;
 
+  // From this number of photos on, a part of them is mapped first, and the
+  // others are registered to it (mapping/skeleton.h).
+  int fewest_for_skeleton = 100;
+
   // How many threads and programs run at the same time; <= 0 means one per
   // core. The result does not depend on it.
   int num_threads = 0;

@@ -9,6 +9,7 @@
 #include "sfm/diagnosis/photo_reasons.h"
 #include "sfm/lookalikes/view_groups.h"
 #include "sfm/mapping/initial_pair.h"
+#include "sfm/mapping/skeleton.h"
 #include "sfm/matching/match_database.h"
 
 namespace freegs::sfm {
@@ -86,6 +87,32 @@ StatusOr<bool> IsBetter(const Models& after,
   return !parts_before.consistent();
 }
 
+// Maps many photos by a part of them. Leaves the scene without a model if they
+// are too few or overlap too little, or if another way might place more.
+Status MapPart(const StepContext& context,
+               const fs::path& database,
+               const DiagnosisOptions& diagnosis,
+               AttemptStore* store,
+               MappedScene* scene) {
+  const std::string name = "mapping, part of the photos first";
+  FREEGS_ASSIGN_OR_RETURN(
+      AttemptResult made, store->Try(name, [&]() -> StatusOr<AttemptResult> {
+        AttemptResult result;
+        FREEGS_ASSIGN_OR_RETURN(
+            result.models,
+            MapFromSkeleton(context, database, store->Folder(name) / "mapper"));
+        return result;
+      }));
+  if (made.models.empty() && made.problem.empty()) return {};
+  Attempt attempt = DescribeAttempt(name, "", made.models);
+  attempt.problem = std::move(made.problem);
+  attempt.kept = !made.models.empty() &&
+                 WhyAgain(scene->evidence, made.models, diagnosis).empty();
+  if (attempt.kept) scene->models = std::move(made.models);
+  scene->attempts.push_back(std::move(attempt));
+  return {};
+}
+
 }  // namespace
 
 StatusOr<MappedScene> MapScene(const StepContext& context,
@@ -102,7 +129,15 @@ StatusOr<MappedScene> MapScene(const StepContext& context,
     return made;
   };
   MappedScene scene;
-  const std::string plain = "mapping";
+  {
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
+                            MatchDatabase::Open(database));
+    FREEGS_ASSIGN_OR_RETURN(scene.evidence,
+                            CollectEvidence(context.input.photos, matches));
+  }
+  FREEGS_RETURN_IF_ERROR(MapPart(context, database, diagnosis, store, &scene));
+  if (!scene.models.empty()) return scene;
+  const std::string plain = kPlainMapping;
   FREEGS_ASSIGN_OR_RETURN(
       AttemptResult first, store->Run(plain, [&]() -> StatusOr<AttemptResult> {
         AttemptResult made;
@@ -115,12 +150,6 @@ StatusOr<MappedScene> MapScene(const StepContext& context,
   scene.models = std::move(first.models);
   scene.attempts.push_back(DescribeAttempt(plain, "", scene.models));
   scene.attempts.back().kept = !scene.models.empty();
-  {
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
-                            MatchDatabase::Open(database));
-    FREEGS_ASSIGN_OR_RETURN(scene.evidence,
-                            CollectEvidence(context.input.photos, matches));
-  }
   const auto again = [&](const std::string& name,
                          const std::string& why,
                          MapperOptions options) -> Status {

@@ -23,7 +23,12 @@ struct MappedScene {
   MapperOptions options;               // Those of the attempt that was kept.
 };
 
-// Maps the database as MapFromBestPair does. If there is no model, or too few
+// The name of the attempt that maps all photos in the plain way.
+inline constexpr const char* kPlainMapping = "mapping";
+
+// Maps many photos as MapFromSkeleton does, and keeps that if no further
+// attempt below could place more of them. Otherwise maps the database as
+// MapFromBestPair does. If there is no model, or too few
 // photos have a pose and some of the others match photos of the model, maps it
 // again with lower thresholds (weaker start pairs, fewer inliers) and keeps the
 // better result: the one with more photos, or with as many and a fifth more

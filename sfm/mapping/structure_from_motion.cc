@@ -23,20 +23,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Tells the user which attempts beyond the first one placed more photos.
+// Tells the user which attempts beyond the plain one placed more photos. If a
+// part of the photos was mapped first and led to nothing, it counts as none.
 void WarnOfAttempts(const std::vector<Attempt>& attempts,
                     size_t photos,
                     std::vector<std::string>* warnings) {
+  const auto plain = std::find_if(
+      attempts.begin(), attempts.end(), [](const Attempt& attempt) {
+        return attempt.name == kPlainMapping;
+      });
+  if (plain == attempts.end()) return;
   std::string kept;
-  int registered = attempts[0].registered;
-  for (size_t i = 1; i < attempts.size(); ++i) {
-    if (!attempts[i].kept || attempts[i].registered <= registered) continue;
-    registered = attempts[i].registered;
-    kept += (kept.empty() ? "" : ", ") + attempts[i].name;
+  int registered = plain->registered;
+  for (auto attempt = plain + 1; attempt != attempts.end(); ++attempt) {
+    if (!attempt->kept || attempt->registered <= registered) continue;
+    registered = attempt->registered;
+    kept += (kept.empty() ? "" : ", ") + attempt->name;
   }
   if (kept.empty()) return;
   warnings->push_back("the usual way registered only " +
-                      std::to_string(attempts[0].registered) + " of " +
+                      std::to_string(plain->registered) + " of " +
                       std::to_string(photos) + " photos; what helped: " + kept);
 }
 

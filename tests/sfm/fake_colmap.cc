@@ -14,6 +14,8 @@
 //                        given one to go on from. Default: the one given.
 //   FAKE_COLMAP_SENSELESS  the mapper ends with cameras that no photo has,
 //                        unless its thresholds were lowered.
+//   FAKE_COLMAP_OTHERS   how many photos are registered to a given model.
+//                        Default: all others.
 //   FAKE_COLMAP_POINTS   number of points that are triangulated. With none,
 //                        release 3.8 aborts; 4.x writes a model without points.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
@@ -83,6 +85,7 @@ const std::map<std::string, std::vector<std::string>>& CommandOptions() {
       {"mapper",
        {"database_path",
         "image_path",
+        "image_list_path",
         "input_path",
         "output_path",
         "Mapper.num_threads",
@@ -92,6 +95,12 @@ const std::map<std::string, std::vector<std::string>>& CommandOptions() {
         "Mapper.init_min_num_inliers",
         "Mapper.min_model_size",
         "Mapper.init_min_tri_angle",
+        IsNew() ? "Mapper.random_seed" : "random_seed"}},
+      {"image_registrator",
+       {"database_path",
+        "input_path",
+        "output_path",
+        "Mapper.num_threads",
         IsNew() ? "Mapper.random_seed" : "random_seed"}},
       {"point_triangulator",
        {"database_path",
@@ -273,7 +282,15 @@ int ContinueMapping(Options& options) {
 int Map(Options& options) {
   if (options["input_path"] != "") return ContinueMapping(options);
   Database database(options["database_path"]);
-  const auto images = database.Images();
+  auto images = database.Images();
+  const auto num_photos = static_cast<int>(images.size());
+  if (options["image_list_path"] != "") {
+    const auto listed = ReadLines(options["image_list_path"]);
+    std::erase_if(images, [&](const auto& image) {
+      return std::find(listed.begin(), listed.end(), image.first) ==
+             listed.end();
+    });
+  }
   std::string sizes =
       Setting("FAKE_COLMAP_MODELS", std::to_string(images.size()));
   if (options["Mapper.init_image_id1"] != "") {
@@ -290,8 +307,7 @@ int Map(Options& options) {
   int number = 0;
   auto next = images.begin();
   for (std::string size; std::getline(list, size, ',');) {
-    Reconstruction model =
-        SyntheticModel(static_cast<int>(images.size()), 150 - number);
+    Reconstruction model = SyntheticModel(num_photos, 150 - number);
     Reconstruction kept = model;
     kept.images.clear();
     for (int i = 0; i < std::stoi(size) && next != images.end(); ++i, ++next) {
@@ -316,6 +332,32 @@ int Map(Options& options) {
   return 1;
 }
 
+int RegisterOthers(Options& options) {
+  auto model = ReadModel(options["input_path"]);
+  if (!model.ok()) return 9;
+  Database database(options["database_path"]);
+  const auto images = database.Images();
+  int left =
+      std::stoi(Setting("FAKE_COLMAP_OTHERS", std::to_string(images.size())));
+  const Reconstruction all = SyntheticModel(static_cast<int>(images.size()), 0);
+  for (const auto& [name, id] : images) {
+    const auto has = [&, id = id](const PosedImage& image) {
+      return static_cast<int>(image.id) == id;
+    };
+    if (left == 0 ||
+        std::any_of(model->images.begin(), model->images.end(), has)) {
+      continue;
+    }
+    --left;
+    model->images.push_back(all.images[id - 1]);
+    model->images.back().name = name;
+    Print("Registering image #" + std::to_string(id) +
+          (IsNew() ? " (num_reg_frames=" : " (") +
+          std::to_string(model->images.size()) + ")");
+  }
+  return WriteModel(options["output_path"], *model).ok() ? 0 : 9;
+}
+
 // Features and points are those of the synthetic model, whatever the poses.
 int Triangulate(Options& options) {
   auto model = ReadModel(options["input_path"]);
@@ -326,14 +368,17 @@ int Triangulate(Options& options) {
               << std::endl;
     EndBySignal(SIGABRT);
   }
+  const size_t num_photos = Database(options["database_path"]).Images().size();
   const Reconstruction seen =
-      SyntheticModel(static_cast<int>(model->images.size()), points);
-  for (size_t i = 0; i < model->images.size(); ++i) {
-    PosedImage& image = model->images[i];
-    if (!image.points2d.empty() || image.id != seen.images[i].id) return 9;
-    image.points2d = seen.images[i].points2d;
+      SyntheticModel(static_cast<int>(num_photos), points);
+  for (PosedImage& image : model->images) {
+    if (!image.points2d.empty() || image.id < 1 || image.id > num_photos) {
+      return 9;
+    }
+    image.points2d = seen.images[image.id - 1].points2d;
   }
   model->points3d = seen.points3d;
+  RemoveDanglingReferences(&*model);
   for (Point3D& point : model->points3d) point.rgb = {0, 0, 0};
   return WriteModel(options["output_path"], *model).ok() ? 0 : 9;
 }
@@ -411,6 +456,7 @@ int Run(int argc, char** argv) {
   if (command == "feature_extractor") return ExtractFeatures(options);
   if (command == "matches_importer") return MatchPairs(options);
   if (command == "mapper") return Map(options);
+  if (command == "image_registrator") return RegisterOthers(options);
   if (command == "point_triangulator") return Triangulate(options);
   return UndistortImages(options);
 }

@@ -31,7 +31,12 @@ class StructureFromMotionTest : public testing::Test {
   StructureFromMotionTest() {
     input_.photo_folder = folder_ / "photos";
     input_.work_folder = folder_ / "work folder";
-    for (int i = 0; i < 10; ++i) {
+    TakePhotos(10);
+  }
+
+  void TakePhotos(int count) {
+    input_.photos.clear();
+    for (int i = 0; i < count; ++i) {
       SfmPhoto photo;
       photo.name = PhotoName(i);
       photo.width = 640;
@@ -158,6 +163,48 @@ TEST_F(StructureFromMotionTest, GoodResultsNeedNoOtherAttempt) {
   EXPECT_THAT(NamesOf(result->attempts), testing::ElementsAre("mapping"));
   EXPECT_TRUE(result->attempts[0].kept);
   EXPECT_EQ(result->attempts[0].registered, 10);
+}
+
+TEST_F(StructureFromMotionTest, ManyPhotosAreRegisteredToAPartOfThem) {
+  TakePhotos(20);
+  options_.fewest_for_skeleton = 20;
+  for (const char* dialect : {"3", "4"}) {
+    fs::remove_all(input_.work_folder);
+    const auto result = Run({{"FAKE_COLMAP_DIALECT", dialect}});
+    ASSERT_TRUE(result.ok()) << result.status().message();
+    EXPECT_THAT(NamesOf(result->attempts),
+                testing::ElementsAre("mapping, part of the photos first"));
+    EXPECT_TRUE(result->attempts[0].kept);
+    ASSERT_EQ(result->models.size(), 1u);
+    EXPECT_EQ(result->models[0].images.size(), 20u);
+    EXPECT_EQ(result->models[0].points3d.size(), 150u);
+    EXPECT_TRUE(result->warnings.empty());
+    // Of photos that all match, seven give each of them six partners.
+    EXPECT_THAT(Log("mapper"), HasSubstr("7)"));
+    EXPECT_THAT(Log("mapper"), Not(HasSubstr("8)")));
+  }
+}
+
+TEST_F(StructureFromMotionTest, APartThatPlacesTooFewIsNotKept) {
+  TakePhotos(20);
+  options_.fewest_for_skeleton = 20;
+  const auto result = Run({{"FAKE_COLMAP_OTHERS", "5"}});
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_THAT(
+      NamesOf(result->attempts),
+      testing::ElementsAre("mapping, part of the photos first", "mapping"));
+  EXPECT_FALSE(result->attempts[0].kept);
+  EXPECT_EQ(result->attempts[0].registered, 12);
+  EXPECT_EQ(result->models[0].images.size(), 20u);
+  EXPECT_TRUE(result->warnings.empty());
+}
+
+TEST_F(StructureFromMotionTest, FewPhotosAreMappedAtOnce) {
+  TakePhotos(20);
+  options_.fewest_for_skeleton = 21;
+  const auto result = Run();
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_THAT(NamesOf(result->attempts), testing::ElementsAre("mapping"));
 }
 
 TEST_F(StructureFromMotionTest, AttemptsAreNotRepeated) {
