@@ -42,7 +42,7 @@ struct SfmOptions {
 
   // From this number of photos on, a part of them is mapped first, and the
   // others are registered to it (mapping/skeleton.h).
-  int fewest_for_skeleton = 100;
+  int fewest_for_skeleton = 200;
 
   // How many threads and programs run at the same time; <= 0 means one per
   // core. The result does not depend on it.

@@ -88,7 +88,8 @@ StatusOr<bool> IsBetter(const Models& after,
 }
 
 // Maps many photos by a part of them. Leaves the scene without a model if they
-// are too few or overlap too little, or if another way might place more.
+// are too few or overlap too little, if another way might place more, or if the
+// model does not hold together, as all photos together may do.
 Status MapPart(const StepContext& context,
                const fs::path& database,
                const DiagnosisOptions& diagnosis,
@@ -106,8 +107,13 @@ Status MapPart(const StepContext& context,
   if (made.models.empty() && made.problem.empty()) return {};
   Attempt attempt = DescribeAttempt(name, "", made.models);
   attempt.problem = std::move(made.problem);
-  attempt.kept = !made.models.empty() &&
-                 WhyAgain(scene->evidence, made.models, diagnosis).empty();
+  if (!made.models.empty() &&
+      WhyAgain(scene->evidence, made.models, diagnosis).empty()) {
+    FREEGS_ASSIGN_OR_RETURN(const ViewGroups parts,
+                            GroupViews(made.models[0], database));
+    attempt.kept = parts.consistent();
+    if (!attempt.kept) attempt.problem = "its photos do not hold together";
+  }
   if (attempt.kept) scene->models = std::move(made.models);
   scene->attempts.push_back(std::move(attempt));
   return {};

@@ -26,16 +26,16 @@ struct MappedScene {
 // The name of the attempt that maps all photos in the plain way.
 inline constexpr const char* kPlainMapping = "mapping";
 
-// Maps many photos as MapFromSkeleton does, and keeps that if no further
-// attempt below could place more of them. Otherwise maps the database as
-// MapFromBestPair does. If there is no model, or too few
-// photos have a pose and some of the others match photos of the model, maps it
-// again with lower thresholds (weaker start pairs, fewer inliers) and keeps the
-// better result: the one with more photos, or with as many and a fifth more
-// points that fit as well. A model that look-alikes glued (view_groups.h) never
-// replaces one that holds together. If the best model still has fewer than 10
-// photos and lacks others, models of 3 photos will do, too. Nothing is tried
-// when a finding says that nothing helps.
+// Maps many photos as MapFromSkeleton does, and keeps that if it holds together
+// (view_groups.h) and no further attempt below could place more of them.
+// Otherwise maps the database as MapFromBestPair does. If there is no model, or
+// too few photos have a pose and some of the others match photos of the model,
+// maps it again with lower thresholds (weaker start pairs, fewer inliers) and
+// keeps the better result: the one with more photos, or with as many and a
+// fifth more points that fit as well. A model that look-alikes glued
+// (view_groups.h) never replaces one that holds together. If the best model
+// still has fewer than 10 photos and lacks others, models of 3 photos will do,
+// too. Nothing is tried when a finding says that nothing helps.
 //
 //   AttemptStore store(work_folder, &record);
 //   const StatusOr<MappedScene> scene =

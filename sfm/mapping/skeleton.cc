@@ -19,18 +19,33 @@ namespace fs = std::filesystem;
 using Models = std::vector<Reconstruction>;
 
 // A skeleton of more photos saves too little.
-constexpr double kMostOfThePhotos = 0.6;
+constexpr double kMostOfThePhotos = 0.5;
 
 // The partners of each photo, by its id.
 using Partners = std::map<uint32_t, std::vector<uint32_t>>;
 
 Partners FindPartners(std::span<const MatchDatabase::VerifiedPair> pairs,
-                      int64_t min_matches) {
-  Partners partners;
+                      const SkeletonOptions& options) {
+  // Most matches first, then smaller ids: pairs of the negative number of
+  // matches and the id.
+  std::map<uint32_t, std::vector<std::pair<int64_t, uint32_t>>> candidates;
   for (const MatchDatabase::VerifiedPair& pair : pairs) {
-    if (pair.num_matches < min_matches) continue;
-    partners[pair.id1].push_back(pair.id2);
-    partners[pair.id2].push_back(pair.id1);
+    if (pair.num_matches < options.min_matches) continue;
+    candidates[pair.id1].emplace_back(-pair.num_matches, pair.id2);
+    candidates[pair.id2].emplace_back(-pair.num_matches, pair.id1);
+  }
+  std::set<std::pair<uint32_t, uint32_t>> kept;
+  for (auto& [id, others] : candidates) {
+    std::sort(others.begin(), others.end());
+    others.resize(std::min(others.size(), options.most_partners));
+    for (const auto& [negative_matches, other] : others) {
+      kept.insert(std::minmax(id, other));
+    }
+  }
+  Partners partners;
+  for (const auto& [id1, id2] : kept) {
+    partners[id1].push_back(id2);
+    partners[id2].push_back(id1);
   }
   return partners;
 }
@@ -71,7 +86,7 @@ Reconstruction WithoutPoints(Reconstruction model) {
 std::vector<uint32_t> ChooseSkeleton(
     std::span<const MatchDatabase::VerifiedPair> pairs,
     const SkeletonOptions& options) {
-  const Partners partners = FindPartners(pairs, options.min_matches);
+  const Partners partners = FindPartners(pairs, options);
   std::map<uint32_t, int> missing;  // Partners that a photo still needs.
   for (const auto& [id, others] : partners) {
     missing[id] = std::min(options.partners, static_cast<int>(others.size()));
@@ -83,10 +98,9 @@ std::vector<uint32_t> ChooseSkeleton(
     });
   };
   // How many photos need a photo only falls, so the number is counted again
-  // when it is its turn. Of equal ones the smaller id comes first.
-  using Entry =
-      std::pair<int64_t, int64_t>;  // The number, and the id, negative.
-  std::priority_queue<Entry> queue;
+  // when it is its turn. Of equal ones the smaller id comes first: an entry is
+  // the number and the negative id.
+  std::priority_queue<std::pair<int64_t, int64_t>> queue;
   for (const auto& [id, others] : partners) {
     queue.emplace(needed_by(id), -static_cast<int64_t>(id));
   }

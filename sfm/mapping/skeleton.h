@@ -24,8 +24,12 @@
 namespace freegs::sfm {
 
 struct SkeletonOptions {
-  // Two photos with so many verified matches are partners.
+  // Two photos with so many verified matches can be partners.
   int64_t min_matches = 50;
+
+  // They are if the other is one of so many with which one of them has most.
+  // Otherwise a few photos would do for a scene of which all see the same.
+  size_t most_partners = 20;
 
   // How many partners each photo has in the skeleton, whether it belongs to the
   // skeleton or not. A photo with fewer partners has all of them there.
@@ -44,7 +48,7 @@ std::vector<uint32_t> ChooseSkeleton(
 // that are still without a pose. Returns the model alone. It is near its
 // optimum, and adjusted if the choice of cameras does not follow. Returns
 // nothing if there are fewer photos than options.fewest_for_skeleton, if the
-// skeleton has more than 0.6 of them, or if less than nine tenths of the
+// skeleton has more than half of them, or if less than nine tenths of the
 // skeleton get a pose.
 //
 //   FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> models,

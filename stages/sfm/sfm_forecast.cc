@@ -42,7 +42,9 @@ constexpr double kPointsPerFeature = 0.61;
 // CPU seconds with kUsualFeatures in each photo, for features, matches and what
 // comes after; fitted on fox, tabletop, playroom and bonsai. The mapper adjusts
 // all photos again and again, so a photo costs more the more there are. The
-// exponent was chosen by runs of 60, 300 and 1000 photos.
+// exponent was chosen by runs of 60, 300 and 1000 photos. Of many photos it
+// maps a part, of about kSkeletonShare, and each photo then costs a little more
+// for its place and its points.
 constexpr double kUsualFeatures = 3000;
 constexpr double kSecondsPerPhoto = 0.17;
 constexpr double kSecondsPerMegapixel = 0.03;
@@ -50,6 +52,8 @@ constexpr double kSecondsPerPair = 0.03;
 constexpr double kMappingSecondsPerPhoto = 0.28;  // With kUsualPhotos photos.
 constexpr double kUsualPhotos = 60;
 constexpr double kMappingExponent = 0.75;
+constexpr double kSkeletonShare = 0.4;
+constexpr double kPlacingSecondsPerPhoto = 0.08;
 constexpr double kSerial = 0.4;
 
 // What the undistorter needs on each core: the photo and the one without
@@ -65,6 +69,21 @@ constexpr double kUndistortionSerial = 0.2;
 // PNG files stay about as large; JPEG files are written with a high quality.
 constexpr double kDiskBytesPerPixel = 0.6;
 constexpr double kModelDiskBytesPerPhoto = 130e3;
+
+// CPU seconds with kUsualFeatures in each photo, for what comes after the
+// matching.
+double MappingSeconds(const sfm::SfmOptions& options, int64_t photos) {
+  const auto count = static_cast<double>(photos);
+  const bool part = photos >= options.fewest_for_skeleton;
+  const double mapped = part ? kSkeletonShare * count : count;
+  const double seconds = kMappingSecondsPerPhoto * mapped *
+                             std::pow(mapped / kUsualPhotos, kMappingExponent) +
+                         (part ? kPlacingSecondsPerPhoto * count : 0);
+  // Few photos are mapped again, usually once.
+  const bool again = options.camera_model == "auto" &&
+                     photos <= static_cast<int64_t>(sfm::kMostPhotosToConfirm);
+  return again ? 2 * seconds : seconds;
+}
 
 }  // namespace
 
@@ -102,16 +121,12 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
                          kBytesPerFeature * features;
   const double share = features_of_photo / kUsualFeatures;
   const auto count = static_cast<double>(photos);
-  // Few photos are mapped again, usually once.
-  const bool again = options.camera_model == "auto" &&
-                     photos <= static_cast<int64_t>(sfm::kMostPhotosToConfirm);
   const double seconds =
       kSecondsPerPhoto * count +
       kSecondsPerMegapixel * 1e-6 * static_cast<double>(pixels.total) +
       kSecondsPerPair * share * share *
           static_cast<double>(ExpectedPairs(options.pairs, photos)) +
-      (again ? 2 : 1) * kMappingSecondsPerPhoto * share * count *
-          std::pow(count / kUsualPhotos, kMappingExponent);
+      share * MappingSeconds(options, photos);
   return {.memory_bytes = std::llround(std::max(extraction, mapping)),
           .disk_bytes = std::llround(kDiskBytesPerFeature * features),
           .seconds = pipeline::OnThreads(seconds, kSerial, threads),

@@ -65,6 +65,20 @@ TEST(SkeletonTest, FewMatchesMakeNoPartners) {
   EXPECT_THAT(ChooseSkeleton(pairs, SkeletonOptions()), testing::Contains(3));
 }
 
+TEST(SkeletonTest, ManyPairsDoNotMakeItSmall) {
+  std::vector<VerifiedPair> pairs;
+  for (uint32_t i = 1; i <= 100; ++i) {
+    for (uint32_t j = i + 1; j <= 100; ++j) {
+      pairs.push_back(Matching(i, j, 1000 - 5 * static_cast<int64_t>(j - i)));
+    }
+  }
+  const auto skeleton = ChooseSkeleton(pairs, SkeletonOptions());
+  EXPECT_GT(skeleton.size(), 25u);
+  for (uint32_t photo = 1; photo <= 100; ++photo) {
+    EXPECT_GE(PartnersWithin(skeleton, photo, 20), 6) << photo;
+  }
+}
+
 TEST(SkeletonTest, OrderOfPairsDoesNotMatter) {
   std::vector<VerifiedPair> pairs = Film(60, 9);
   const auto skeleton = ChooseSkeleton(pairs, SkeletonOptions());
