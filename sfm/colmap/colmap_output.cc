@@ -36,6 +36,17 @@ std::optional<ColmapProgress> ParseFraction(ColmapProgress::Kind kind,
   return progress;
 }
 
+// "7 (12)"; newer releases write "7 (num_reg_frames=12)".
+std::optional<ColmapProgress> ParseCount(ColmapProgress::Kind kind,
+                                         std::string_view line) {
+  ColmapProgress progress;
+  progress.kind = kind;
+  if (!SkipPast("(", &line)) return {};
+  SkipPast("=", &line);
+  if (!TakeNumber(&line, &progress.done)) return {};
+  return progress;
+}
+
 }  // namespace
 
 std::optional<ColmapProgress> ParseColmapLine(std::string_view line) {
@@ -44,12 +55,11 @@ std::optional<ColmapProgress> ParseColmapLine(std::string_view line) {
   if (SkipPast("Undistorting image [", &rest)) {
     return ParseFraction(Kind::kPhotoUndistorted, rest);
   }
-  if (SkipPast("Registering image #", &rest) && SkipPast("(", &rest)) {
-    // 3.8 writes "(12)", newer releases "(num_reg_frames=12)".
-    SkipPast("=", &rest);
-    ColmapProgress progress;
-    progress.kind = Kind::kPhotoRegistered;
-    if (TakeNumber(&rest, &progress.done)) return progress;
+  if (SkipPast("Registering image #", &rest)) {
+    return ParseCount(Kind::kPhotoRegistered, rest);
+  }
+  if (SkipPast("Triangulating image #", &rest)) {
+    return ParseCount(Kind::kPhotoTriangulated, rest);
   }
   if (SkipPast("Global bundle adjustment", &rest)) {
     return ColmapProgress{.kind = Kind::kAdjusting};

@@ -11,9 +11,11 @@ namespace freegs::sfm {
 
 struct ColmapProgress {
   enum class Kind {
-    kPhotoRegistered,   // "Registering image #7 (12)": done 12, no total.
-    kPhotoUndistorted,  // "Undistorting image [3/50]": done 3, total 50.
-    kAdjusting          // "Global bundle adjustment", which has begun.
+    kPhotoRegistered,    // "Registering image #7 (12)": done 12, no total.
+    kPhotoTriangulated,  // "Triangulating image #7 (11)": 11 are done, no
+                         // total.
+    kPhotoUndistorted,   // "Undistorting image [3/50]": done 3, total 50.
+    kAdjusting           // "Global bundle adjustment", which has begun.
   };
   Kind kind = Kind::kPhotoRegistered;
   int done = 0;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The triangulation step: points for cameras whose poses are known.
 
+#include <algorithm>
 #include <system_error>
 
 #include "core/io/files.h"
+#include "sfm/colmap/colmap_output.h"
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/scene/model_io.h"
 
@@ -39,8 +41,18 @@ StatusOr<Reconstruction> TriangulatePoints(const StepContext& context,
   arguments.AddAll({"random_seed", "default_random_seed", "Mapper.random_seed"},
                    std::to_string(context.input.seed % 2147483647));
   FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
+  const double total = static_cast<double>(poses.images.size());
+  context.Report("points", 0, total, "");
+  const auto on_line = [&](std::string_view line) {
+    const auto progress = ParseColmapLine(line);
+    if (progress &&
+        progress->kind == ColmapProgress::Kind::kPhotoTriangulated) {
+      context.Report(
+          "points", std::min<double>(progress->done, total), total, "");
+    }
+  };
   FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
-                          RunChild(run, nullptr, context.input.cancellation));
+                          RunChild(run, on_line, context.input.cancellation));
   // Release 3.8 aborts when the matches show no points from these poses.
   const Status ended = CheckEnded(context, command, result, Crash::kVerdict);
   if (!ended.ok()) {

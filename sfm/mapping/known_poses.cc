@@ -214,7 +214,6 @@ StatusOr<TriangulatedScene> TriangulateScene(const SfmInput& input,
   result.pairs = scene->record().pairs();
   result.image_size = context.options.max_image_size;
   result.max_features = context.options.max_features;
-  context.Report("points", 0, 1, "");
   FREEGS_ASSIGN_OR_RETURN(const Reconstruction bare,
                           PosesOf(poses, scene->path()));
   FREEGS_ASSIGN_OR_RETURN(
@@ -232,7 +231,6 @@ StatusOr<TriangulatedScene> TriangulateScene(const SfmInput& input,
   }
   FREEGS_RETURN_IF_ERROR(
       ColorPoints(posed, context.num_threads, &result.model));
-  context.Report("points", 1, 1, "");
   return result;
 }
 

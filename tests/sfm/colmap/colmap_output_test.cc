@@ -27,6 +27,7 @@ TEST(ParseColmapLine, KnownLines) {
        Kind::kPhotoRegistered,
        12,
        0},
+      {"Triangulating image #7 (11)", Kind::kPhotoTriangulated, 11, 0},
       {"Undistorting image [2/9]", Kind::kPhotoUndistorted, 2, 9},
   };
   for (const Case& c : cases) {
@@ -48,6 +49,7 @@ TEST(ParseColmapLine, EverythingElseIsNothing) {
                            "Undistorting image [-1/3]",
                            "Registering image #",
                            "Registering image #3",
+                           "Triangulating image #3",
                            "Registering image #3 ()"}) {
     EXPECT_FALSE(ParseColmapLine(line)) << line;
   }
