@@ -2,6 +2,7 @@
 // The registration step: poses for photos that see the points of a model.
 
 #include <algorithm>
+#include <set>
 #include <system_error>
 
 #include "core/io/files.h"
@@ -12,6 +13,24 @@
 namespace freegs::sfm {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// The lens of a photo with a camera of its own is estimated from that photo
+// alone, and may be one that no photo has.
+Reconstruction WithSensibleCameras(const Reconstruction& model) {
+  std::set<uint32_t> sensible;
+  for (const Camera& camera : model.cameras) {
+    if (camera.Check().ok()) sensible.insert(camera.id);
+  }
+  std::vector<uint32_t> ids;
+  for (const PosedImage& image : model.images) {
+    if (sensible.contains(image.camera_id)) ids.push_back(image.id);
+  }
+  return RestrictTo(model, ids);
+}
+
+}  // namespace
 
 StatusOr<Reconstruction> RegisterOtherPhotos(const StepContext& context,
                                              const fs::path& database,
@@ -59,11 +78,10 @@ StatusOr<Reconstruction> RegisterOtherPhotos(const StepContext& context,
     return InternalError("COLMAP's model cannot be read (is the disk full?): " +
                          all.status().message());
   }
-  // With few matches a photo of another camera may get a lens that none has.
-  const Status sensible = CheckReconstruction(*all);
-  if (!sensible.ok()) return UnusableResultError(sensible.message());
-  RemoveDanglingReferences(&*all);
-  return all;
+  Reconstruction model_of_all = WithSensibleCameras(*all);
+  const Status consistent = CheckReconstruction(model_of_all);
+  if (!consistent.ok()) return UnusableResultError(consistent.message());
+  return model_of_all;
 }
 
 }  // namespace freegs::sfm

@@ -144,11 +144,11 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(
     const MapperOptions& options);
 
 // Gives the photos that a model lacks a pose each, by the points of the model
-// that they see. Neither the model nor its points change. Photos that see too
-// few points are left out. `model` has the ids of the database. `folder` is
-// made anew for COLMAP's output and deleted at the end. Errors: those of a
-// COLMAP command, with kUnusableResult for a crash, and for a lens that no
-// photo has.
+// that they see. Poses of the model and positions of its points stay as they
+// are. Photos that see too few points, or that would get a lens that no photo
+// has, are left out. `model` has the ids of the database. `folder` is made anew
+// for COLMAP's output and deleted at the end. Errors: those of a COLMAP
+// command, with kUnusableResult for a crash.
 StatusOr<Reconstruction> RegisterOtherPhotos(
     const StepContext& context,
     const std::filesystem::path& database,

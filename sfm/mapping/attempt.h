@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An attempt is one way of making models from the photos: the plain mapping,
-// one with lower thresholds (map_scene.h) or a repair (separate_parts.h). It
-// has what is reported about attempts, and keeps their results on disk, so that
-// a killed run does not repeat them.
+// An attempt is one way of making models from the photos: by a part of them,
+// the plain mapping, one with lower thresholds (map_scene.h) or a repair
+// (separate_parts.h). It has what is reported about attempts, and keeps their
+// results on disk, so that a killed run does not repeat them.
 
 #ifndef FREEGS_SFM_MAPPING_ATTEMPT_H_
 #define FREEGS_SFM_MAPPING_ATTEMPT_H_
@@ -22,7 +22,7 @@ namespace freegs::sfm {
 // What health.json says about an attempt.
 struct Attempt {
   std::string name;  // "mapping", "lower thresholds", "small models" ...
-  std::string why;   // The reason for trying it; empty for the plain mapping.
+  std::string why;   // The reason for trying it; empty for the usual ways.
 
   int models = 0;  // Number of models that it made.
 

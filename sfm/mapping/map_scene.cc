@@ -87,14 +87,28 @@ StatusOr<bool> IsBetter(const Models& after,
   return !parts_before.consistent();
 }
 
-// Maps many photos by a part of them. Leaves the scene without a model if they
-// are too few or overlap too little, if another way might place more, or if the
-// model does not hold together, as all photos together may do.
+// Whether a part of the photos may be mapped first: they are many, all match
+// one another in a chain of pairs but for a few, so that there is one model,
+// and the choice of cameras adjusts what comes of it.
+bool MayMapPart(const StepContext& context, const SceneEvidence& evidence) {
+  if (static_cast<int64_t>(context.input.photos.size()) <
+          context.options.fewest_for_skeleton ||
+      context.options.camera_model != "auto") {
+    return false;
+  }
+  const PhotoGroups groups = GroupByMatches(evidence, {});
+  return groups.members.size() < 2 || groups.members[1].size() < kUsualMinModel;
+}
+
+// Maps many photos by a part of them. Leaves the scene without a model if that
+// cannot be done, if another way might place more photos, or if the model does
+// not hold together, which that of all photos may do.
 Status MapPart(const StepContext& context,
                const fs::path& database,
                const DiagnosisOptions& diagnosis,
                AttemptStore* store,
                MappedScene* scene) {
+  if (!MayMapPart(context, scene->evidence)) return {};
   const std::string name = "mapping, part of the photos first";
   FREEGS_ASSIGN_OR_RETURN(
       AttemptResult made, store->Try(name, [&]() -> StatusOr<AttemptResult> {
@@ -107,12 +121,14 @@ Status MapPart(const StepContext& context,
   if (made.models.empty() && made.problem.empty()) return {};
   Attempt attempt = DescribeAttempt(name, "", made.models);
   attempt.problem = std::move(made.problem);
-  if (!made.models.empty() &&
-      WhyAgain(scene->evidence, made.models, diagnosis).empty()) {
+  if (!made.models.empty()) {
+    attempt.problem = WhyAgain(scene->evidence, made.models, diagnosis);
     FREEGS_ASSIGN_OR_RETURN(const ViewGroups parts,
                             GroupViews(made.models[0], database));
-    attempt.kept = parts.consistent();
-    if (!attempt.kept) attempt.problem = "its photos do not hold together";
+    if (!parts.consistent()) {
+      attempt.problem = "its photos do not hold together";
+    }
+    attempt.kept = attempt.problem.empty();
   }
   if (attempt.kept) scene->models = std::move(made.models);
   scene->attempts.push_back(std::move(attempt));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Maps a scene in the plain way, and again with lower thresholds when that
-// leaves photos without a pose.
+// Maps a scene by a part of its photos or in the plain way, and again with
+// lower thresholds when that leaves photos without a pose.
 
 #ifndef FREEGS_SFM_MAPPING_MAP_SCENE_H_
 #define FREEGS_SFM_MAPPING_MAP_SCENE_H_
@@ -26,16 +26,17 @@ struct MappedScene {
 // The name of the attempt that maps all photos in the plain way.
 inline constexpr const char* kPlainMapping = "mapping";
 
-// Maps many photos as MapFromSkeleton does, and keeps that if it holds together
-// (view_groups.h) and no further attempt below could place more of them.
-// Otherwise maps the database as MapFromBestPair does. If there is no model, or
-// too few photos have a pose and some of the others match photos of the model,
-// maps it again with lower thresholds (weaker start pairs, fewer inliers) and
-// keeps the better result: the one with more photos, or with as many and a
-// fifth more points that fit as well. A model that look-alikes glued
-// (view_groups.h) never replaces one that holds together. If the best model
-// still has fewer than 10 photos and lacks others, models of 3 photos will do,
-// too. Nothing is tried when a finding says that nothing helps.
+// Maps many photos as MapFromSkeleton does, if they are of one scene and their
+// cameras are chosen later, and keeps that if it holds together (view_groups.h)
+// and no further attempt below could place more of them. Otherwise maps the
+// database as MapFromBestPair does. If there is no model, or too few photos
+// have a pose and some of the others match photos of the model, maps it again
+// with lower thresholds (weaker start pairs, fewer inliers) and keeps the
+// better result: the one with more photos, or with as many and a fifth more
+// points that fit as well. A model that look-alikes glued (view_groups.h) never
+// replaces one that holds together. If the best model still has fewer than 10
+// photos and lacks others, models of 3 photos will do, too. Nothing is tried
+// when a finding says that nothing helps.
 //
 //   AttemptStore store(work_folder, &record);
 //   const StatusOr<MappedScene> scene =

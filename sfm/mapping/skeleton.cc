@@ -81,6 +81,21 @@ Reconstruction WithoutPoints(Reconstruction model) {
   return model;
 }
 
+// Photos that see no point of the model are left out.
+Reconstruction WithoutBlindPhotos(const Reconstruction& model) {
+  std::vector<uint32_t> ids;
+  for (const PosedImage& image : model.images) {
+    if (std::any_of(image.points2d.begin(),
+                    image.points2d.end(),
+                    [](const Point2D& point) {
+                      return point.point3d_id != kNoPoint3D;
+                    })) {
+      ids.push_back(image.id);
+    }
+  }
+  return RestrictTo(model, ids);
+}
+
 }  // namespace
 
 std::vector<uint32_t> ChooseSkeleton(
@@ -125,10 +140,6 @@ std::vector<uint32_t> ChooseSkeleton(
 StatusOr<Models> MapFromSkeleton(const StepContext& context,
                                  const fs::path& database,
                                  const fs::path& folder) {
-  if (static_cast<int64_t>(context.input.photos.size()) <
-      context.options.fewest_for_skeleton) {
-    return Models();
-  }
   SfmInput part = context.input;
   FREEGS_ASSIGN_OR_RETURN(part.photos,
                           SkeletonPhotos(context.input.photos, database));
@@ -145,7 +156,9 @@ StatusOr<Models> MapFromSkeleton(const StepContext& context,
                        .listed = true}));
   if (static_cast<double>(NumRegistered(models)) <
       kGoodShare * static_cast<double>(part.photos.size())) {
-    return Models();
+    return UnusableResultError("only " + std::to_string(NumRegistered(models)) +
+                               " of " + std::to_string(part.photos.size()) +
+                               " chosen photos got a pose");
   }
   models.resize(1);
   FREEGS_ASSIGN_OR_RETURN(
@@ -155,10 +168,8 @@ StatusOr<Models> MapFromSkeleton(const StepContext& context,
       models[0],
       TriangulatePoints(
           context, database, folder, WithoutPoints(std::move(all))));
-  if (models[0].images.size() == context.input.photos.size() &&
-      context.options.camera_model == "auto") {
-    return models;
-  }
+  models[0] = WithoutBlindPhotos(models[0]);
+  if (models[0].images.size() == context.input.photos.size()) return models;
   const Reconstruction start = std::move(models[0]);
   return MapPhotos(
       context,

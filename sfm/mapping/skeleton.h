@@ -27,8 +27,9 @@ struct SkeletonOptions {
   // Two photos with so many verified matches can be partners.
   int64_t min_matches = 50;
 
-  // They are if the other is one of so many with which one of them has most.
-  // Otherwise a few photos would do for a scene of which all see the same.
+  // For each photo only so many others count, those with which it has most
+  // matches. Without this limit a few photos would be partners of all others
+  // where all photos show the same, and the skeleton would be too small.
   size_t most_partners = 20;
 
   // How many partners each photo has in the skeleton, whether it belongs to the
@@ -45,18 +46,17 @@ std::vector<uint32_t> ChooseSkeleton(
 
 // Maps a skeleton of the photos as MapFromBestPair does, registers the other
 // photos, triangulates all points anew, and lets the mapper go on with photos
-// that are still without a pose. Returns the model alone. It is near its
-// optimum, and adjusted if the choice of cameras does not follow. Returns
-// nothing if there are fewer photos than options.fewest_for_skeleton, if the
-// skeleton has more than half of them, or if less than nine tenths of the
-// skeleton get a pose.
+// that are still without a pose. Returns one model. The poses of the other
+// photos are not adjusted yet, which is left to the choice of cameras. Returns
+// nothing if the skeleton has more than half of the photos.
 //
 //   FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> models,
 //                           MapFromSkeleton(context, database, folder));
 //   if (models.empty()) ...  // The plain way.
 //
 // `folder` is made anew for COLMAP's output and deleted at the end. Errors:
-// those of MapPhotos and of the database.
+// those of MapPhotos and of the database, and kUnusableResult if less than nine
+// tenths of the skeleton get a pose.
 StatusOr<std::vector<Reconstruction>> MapFromSkeleton(
     const StepContext& context,
     const std::filesystem::path& database,

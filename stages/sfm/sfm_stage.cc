@@ -88,7 +88,7 @@ class SfmStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "sfm"; }
-  int version() const override { return 10; }
+  int version() const override { return 11; }
 
   std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};

@@ -195,16 +195,58 @@ TEST_F(StructureFromMotionTest, APartThatPlacesTooFewIsNotKept) {
       testing::ElementsAre("mapping, part of the photos first", "mapping"));
   EXPECT_FALSE(result->attempts[0].kept);
   EXPECT_EQ(result->attempts[0].registered, 12);
+  EXPECT_THAT(result->attempts[0].problem, HasSubstr("8 photos left out"));
   EXPECT_EQ(result->models[0].images.size(), 20u);
   EXPECT_TRUE(result->warnings.empty());
 }
 
-TEST_F(StructureFromMotionTest, FewPhotosAreMappedAtOnce) {
+TEST_F(StructureFromMotionTest, AProgramThatFailsOnAPartIsPassedOver) {
   TakePhotos(20);
-  options_.fewest_for_skeleton = 21;
-  const auto result = Run();
+  options_.fewest_for_skeleton = 20;
+  for (const char* command : {"image_registrator", "point_triangulator"}) {
+    fs::remove_all(input_.work_folder);
+    const auto result = Run({{"FAKE_COLMAP_FAIL", command}});
+    ASSERT_TRUE(result.ok()) << result.status().message();
+    ASSERT_THAT(
+        NamesOf(result->attempts),
+        testing::ElementsAre("mapping, part of the photos first", "mapping"));
+    EXPECT_THAT(result->attempts[0].problem, HasSubstr(command));
+    EXPECT_EQ(result->models[0].images.size(), 20u);
+  }
+}
+
+TEST_F(StructureFromMotionTest, APartOfWhichMostGetNoPoseIsNoModel) {
+  TakePhotos(20);
+  options_.fewest_for_skeleton = 20;
+  const auto result = Run({{"FAKE_COLMAP_PAIR", "6"}});
   ASSERT_TRUE(result.ok()) << result.status().message();
-  EXPECT_THAT(NamesOf(result->attempts), testing::ElementsAre("mapping"));
+  EXPECT_THAT(result->attempts.at(0).problem, HasSubstr("6 of 7"));
+  EXPECT_EQ(result->attempts.at(1).name, "mapping");
+}
+
+TEST_F(StructureFromMotionTest, WhereNoPartIsMappedFirst) {
+  TakePhotos(20);
+  const auto expect_plain = [&] {
+    fs::remove_all(input_.work_folder);
+    const auto result = Run();
+    ASSERT_TRUE(result.ok()) << result.status().message();
+    EXPECT_THAT(NamesOf(result->attempts), testing::ElementsAre("mapping"));
+  };
+  options_.fewest_for_skeleton = 21;
+  expect_plain();
+  // Nothing would adjust what comes of a part.
+  options_.fewest_for_skeleton = 20;
+  options_.camera_model = "RADIAL";
+  expect_plain();
+  // A part would have the photos of one of two places only.
+  options_.camera_model = "auto";
+  const ImageU8 elsewhere = TexturedPhoto(160, 120, 2);
+  for (int i = 10; i < 20; ++i) {
+    EXPECT_TRUE(
+        WriteImage(input_.photo_folder / input_.photos[i].name, elsewhere)
+            .ok());
+  }
+  expect_plain();
 }
 
 TEST_F(StructureFromMotionTest, AttemptsAreNotRepeated) {

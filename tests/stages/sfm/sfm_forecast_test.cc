@@ -57,6 +57,13 @@ TEST(SfmForecastTest, GrowsWithPhotosAndFeatures) {
   EXPECT_GT(Sfm(options, scene, 1).memory_bytes, more.memory_bytes);
 }
 
+TEST(SfmForecastTest, APartOfManyPhotosTakesLessTime) {
+  sfm::SfmOptions options;
+  const double part = Sfm(options, SceneOutlookOf(300, 640, 480), 1).seconds;
+  options.fewest_for_skeleton = 301;
+  EXPECT_LT(part, Sfm(options, SceneOutlookOf(300, 640, 480), 1).seconds);
+}
+
 TEST(SfmForecastTest, PairsAreAllOrThoseOfNeighbours) {
   EXPECT_EQ(ExpectedPairs({}, 40), 780);
   EXPECT_EQ(ExpectedPairs({}, 1000), 10000);
