@@ -23,6 +23,8 @@ endif()
 if(NOT FREEGS_BUILD_WEB)
   message(STATUS "The page will have no 3D view: "
     "FREEGS_BUILD_WEB is off, or Node.js 18 with npm was not found")
+  # One of an earlier build would not fit the program any more.
+  file(REMOVE_RECURSE ${CMAKE_BINARY_DIR}/share/freegs_pipeline/web)
   return()
 endif()
 

@@ -134,7 +134,8 @@ write_table() {
       printf '%s,%s\n' "$row" "${paper_[$scene]:-}"
     done
   } >"$out/results.csv"
-  awk -F, -v OFS=, '
+  # In other locales numbers would have commas.
+  LC_ALL=C awk -F, -v OFS=, '
     { print }
     NR == 1 { columns = NF; next }
     { for (i = 2; i <= NF; i++) if ($i != "") { sum[i] += $i; n[i]++ } }

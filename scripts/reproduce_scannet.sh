@@ -33,7 +33,8 @@ choose_frames() {
   rm -rf -- "$target/images"
   mkdir -p -- "$target/images"
   {
-    awk 'NR == 1 { printf "{\"fl_x\": %s, \"cx\": %.6f,\n", $1, $3 + 0.5 }
+    # In other locales numbers would have commas.
+    LC_ALL=C awk 'NR == 1 { printf "{\"fl_x\": %s, \"cx\": %.6f,\n", $1, $3 + 0.5 }
          NR == 2 { printf " \"fl_y\": %s, \"cy\": %.6f,\n", $2, $3 + 0.5 }' \
       "$scan/intrinsic/intrinsic_color.txt"
     printf ' "frames": ['
@@ -47,7 +48,7 @@ choose_frames() {
       ln -s -- "$photo" "$target/images/$number.jpg"
       printf '%s\n  {"file_path": "images/%s.jpg", "transform_matrix": [' \
         "$comma" "$number"
-      awk 'NF == 4 { printf "%s[%s, %.9g, %.9g, %s]", row++ ? ", " : "", \
+      LC_ALL=C awk 'NF == 4 { printf "%s[%s, %.9g, %.9g, %s]", row++ ? ", " : "", \
                             $1, -$2, -$3, $4 }' "$scan/pose/$number.txt"
       printf ']}'
       comma=,

@@ -167,7 +167,7 @@ StatusOr<splat::TrainerOptions> MakeTrainerOptions(
   splat::LearningRateOptions& rates = training.learning_rates;
   rates.mean_decay_steps = options.iterations;
   // The end of the rate of positions is left as it is: it is reached only where
-  // nothing is simplified (docs/performance.md, "Presets").
+  // nothing is simplified (docs/performance.md, "Fewer steps, larger rates").
   for (double* rate : {&rates.mean_initial,
                        &rates.log_scale,
                        &rates.rotation,

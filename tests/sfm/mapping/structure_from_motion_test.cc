@@ -15,7 +15,7 @@
 #include "sfm/matching/match_database.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/model_io_binary.h"
-#include "tests/sfm/fake_colmap.h"
+#include "tests/sfm/mapping/structure_from_motion_fixture.h"
 #include "tests/sfm/synthetic_model.h"
 #include "tests/sfm/textured_photo.h"
 
@@ -24,44 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-using Settings = std::vector<std::pair<std::string, std::string>>;
-
-class StructureFromMotionTest : public testing::Test {
- protected:
-  StructureFromMotionTest() {
-    input_.photo_folder = folder_ / "photos";
-    input_.work_folder = folder_ / "work folder";
-    TakePhotos(10);
-  }
-
-  void TakePhotos(int count) {
-    input_.photos.clear();
-    for (int i = 0; i < count; ++i) {
-      SfmPhoto photo;
-      photo.name = PhotoName(i);
-      photo.width = 640;
-      photo.height = 480;
-      photo.camera_group = i < 7 ? 0 : 1;
-      photo.focal_px = i < 7 ? 600 : 0;
-      input_.photos.push_back(photo);
-    }
-    WriteTexturedPhotos(input_);
-    options_.num_threads = 2;
-  }
-
-  StatusOr<SfmResult> Run(const Settings& settings = {}) {
-    options_.colmap = MakeFakeColmap(folder_.path(), settings);
-    return RunStructureFromMotion(input_, options_);
-  }
-
-  std::string Log(const std::string& command) const {
-    return ReadText(input_.work_folder / "logs" / (command + ".log"));
-  }
-
-  TemporaryFolder folder_;
-  SfmInput input_;
-  SfmOptions options_;
-};
 
 TEST_F(StructureFromMotionTest, BothDialects) {
   for (const char* dialect : {"3", "4"}) {
@@ -151,102 +113,12 @@ TEST_F(StructureFromMotionTest, CamerasThatNoPhotoHasAreNoModel) {
   EXPECT_TRUE(result->attempts[1].kept);
 }
 
-std::vector<std::string> NamesOf(const std::vector<Attempt>& attempts) {
-  std::vector<std::string> names;
-  for (const Attempt& attempt : attempts) names.push_back(attempt.name);
-  return names;
-}
-
 TEST_F(StructureFromMotionTest, GoodResultsNeedNoOtherAttempt) {
   const auto result = Run();
   ASSERT_TRUE(result.ok());
-  EXPECT_THAT(NamesOf(result->attempts), testing::ElementsAre("mapping"));
+  EXPECT_THAT(AttemptNames(result->attempts), testing::ElementsAre("mapping"));
   EXPECT_TRUE(result->attempts[0].kept);
   EXPECT_EQ(result->attempts[0].registered, 10);
-}
-
-TEST_F(StructureFromMotionTest, ManyPhotosAreRegisteredToAPartOfThem) {
-  TakePhotos(20);
-  options_.fewest_for_skeleton = 20;
-  for (const char* dialect : {"3", "4"}) {
-    fs::remove_all(input_.work_folder);
-    const auto result = Run({{"FAKE_COLMAP_DIALECT", dialect}});
-    ASSERT_TRUE(result.ok()) << result.status().message();
-    EXPECT_THAT(NamesOf(result->attempts),
-                testing::ElementsAre("mapping, part of the photos first"));
-    EXPECT_TRUE(result->attempts[0].kept);
-    ASSERT_EQ(result->models.size(), 1u);
-    EXPECT_EQ(result->models[0].images.size(), 20u);
-    EXPECT_EQ(result->models[0].points3d.size(), 150u);
-    EXPECT_TRUE(result->warnings.empty());
-    // Of photos that all match, seven give each of them six partners.
-    EXPECT_THAT(Log("mapper"), HasSubstr("7)"));
-    EXPECT_THAT(Log("mapper"), Not(HasSubstr("8)")));
-  }
-}
-
-TEST_F(StructureFromMotionTest, APartThatPlacesTooFewIsNotKept) {
-  TakePhotos(20);
-  options_.fewest_for_skeleton = 20;
-  const auto result = Run({{"FAKE_COLMAP_OTHERS", "5"}});
-  ASSERT_TRUE(result.ok()) << result.status().message();
-  EXPECT_THAT(
-      NamesOf(result->attempts),
-      testing::ElementsAre("mapping, part of the photos first", "mapping"));
-  EXPECT_FALSE(result->attempts[0].kept);
-  EXPECT_EQ(result->attempts[0].registered, 12);
-  EXPECT_THAT(result->attempts[0].problem, HasSubstr("8 photos left out"));
-  EXPECT_EQ(result->models[0].images.size(), 20u);
-  EXPECT_TRUE(result->warnings.empty());
-}
-
-TEST_F(StructureFromMotionTest, AProgramThatFailsOnAPartIsPassedOver) {
-  TakePhotos(20);
-  options_.fewest_for_skeleton = 20;
-  for (const char* command : {"image_registrator", "point_triangulator"}) {
-    fs::remove_all(input_.work_folder);
-    const auto result = Run({{"FAKE_COLMAP_FAIL", command}});
-    ASSERT_TRUE(result.ok()) << result.status().message();
-    ASSERT_THAT(
-        NamesOf(result->attempts),
-        testing::ElementsAre("mapping, part of the photos first", "mapping"));
-    EXPECT_THAT(result->attempts[0].problem, HasSubstr(command));
-    EXPECT_EQ(result->models[0].images.size(), 20u);
-  }
-}
-
-TEST_F(StructureFromMotionTest, APartOfWhichMostGetNoPoseIsNoModel) {
-  TakePhotos(20);
-  options_.fewest_for_skeleton = 20;
-  const auto result = Run({{"FAKE_COLMAP_PAIR", "6"}});
-  ASSERT_TRUE(result.ok()) << result.status().message();
-  EXPECT_THAT(result->attempts.at(0).problem, HasSubstr("6 of 7"));
-  EXPECT_EQ(result->attempts.at(1).name, "mapping");
-}
-
-TEST_F(StructureFromMotionTest, WhereNoPartIsMappedFirst) {
-  TakePhotos(20);
-  const auto expect_plain = [&] {
-    fs::remove_all(input_.work_folder);
-    const auto result = Run();
-    ASSERT_TRUE(result.ok()) << result.status().message();
-    EXPECT_THAT(NamesOf(result->attempts), testing::ElementsAre("mapping"));
-  };
-  options_.fewest_for_skeleton = 21;
-  expect_plain();
-  // Nothing would adjust what comes of a part.
-  options_.fewest_for_skeleton = 20;
-  options_.camera_model = "RADIAL";
-  expect_plain();
-  // A part would have the photos of one of two places only.
-  options_.camera_model = "auto";
-  const ImageU8 elsewhere = TexturedPhoto(160, 120, 2);
-  for (int i = 10; i < 20; ++i) {
-    EXPECT_TRUE(
-        WriteImage(input_.photo_folder / input_.photos[i].name, elsewhere)
-            .ok());
-  }
-  expect_plain();
 }
 
 TEST_F(StructureFromMotionTest, AttemptsAreNotRepeated) {
@@ -256,7 +128,7 @@ TEST_F(StructureFromMotionTest, AttemptsAreNotRepeated) {
   ASSERT_TRUE(result.ok()) << result.status().message();
   const std::vector<Attempt>& attempts = result->attempts;
   EXPECT_THAT(
-      NamesOf(attempts),
+      AttemptNames(attempts),
       testing::ElementsAre("mapping", "lower thresholds", "small models"));
   EXPECT_FALSE(attempts[2].kept);
   EXPECT_THAT(attempts[1].why, HasSubstr("6 photos left out"));
@@ -272,7 +144,7 @@ TEST_F(StructureFromMotionTest, AttemptsAreNotRepeated) {
   ASSERT_TRUE(again.ok()) << again.status().message();
   EXPECT_EQ(Log("mapper"), mapper);
   EXPECT_EQ(Log("feature_extractor"), extractor);
-  EXPECT_EQ(NamesOf(again->attempts), NamesOf(attempts));
+  EXPECT_EQ(AttemptNames(again->attempts), AttemptNames(attempts));
   EXPECT_EQ(PointsToBinary(again->models[0].points3d),
             PointsToBinary(result->models[0].points3d));
 
@@ -299,7 +171,7 @@ TEST_F(StructureFromMotionTest, SmallModelsAreTheLastResort) {
                            {"FAKE_COLMAP_SMALL", "7"}});
   ASSERT_TRUE(result.ok()) << result.status().message();
   EXPECT_THAT(
-      NamesOf(result->attempts),
+      AttemptNames(result->attempts),
       testing::ElementsAre("mapping", "lower thresholds", "small models"));
   EXPECT_FALSE(result->attempts[1].kept);
   EXPECT_TRUE(result->attempts[2].kept);
@@ -312,7 +184,7 @@ TEST_F(StructureFromMotionTest, TooFewPhotosAreNotTriedAgain) {
   input_.photos.resize(2);
   const auto result = Run({{"FAKE_COLMAP_MODELS", ""}});
   ASSERT_TRUE(result.ok());
-  EXPECT_THAT(NamesOf(result->attempts), testing::ElementsAre("mapping"));
+  EXPECT_THAT(AttemptNames(result->attempts), testing::ElementsAre("mapping"));
   ASSERT_FALSE(result->findings.empty());
   EXPECT_EQ(result->findings[0].kind, FindingKind::kTooFewPhotos);
 }
