@@ -57,5 +57,10 @@ for generator in Ninja "Unix Makefiles"; do
   rm -- "$no_network"
   cmake --build "$build" >"$folder/out.txt" 2>&1 || fail "$generator: npm"
   [[ -e $build/web/node_modules/.package-lock.json ]] || fail "$generator: no packages"
+  # A page of before would be taken for one of this program.
+  mkdir -p "$build/share/freegs_pipeline/web"
+  touch "$build/share/freegs_pipeline/web/viewer.js"
+  cmake -DFREEGS_BUILD_WEB=OFF "$build" >"$folder/out.txt" 2>&1 || fail "$generator: off"
+  [[ ! -e $build/share/freegs_pipeline/web ]] || fail "$generator: the page is still there"
 done
 echo "passed"

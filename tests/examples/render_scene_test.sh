@@ -30,5 +30,41 @@ code=0
 "$folder/build/render_scene" "$example/camera.txt" "$example/camera.txt" \
   "$folder/none.png" || code=$?
 ((code == 3))
-rm -rf -- "$folder/installed" "$folder/build"
+
+# Programs for a larger instruction set lay out the same structs.
+mkdir -p -- "$folder/layout"
+cat >"$folder/layout/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.22)
+project(layout LANGUAGES CXX)
+find_package(freegs_pipeline REQUIRED)
+add_library(layout OBJECT layout.cc)
+target_link_libraries(layout PRIVATE freegs::core)
+END
+cat >"$folder/layout/layout.cc" <<'END'
+#include "core/rigid3d.h"
+static_assert(alignof(freegs::Rigid3d) == 16);
+END
+flags=""
+[[ $(uname -m) != x86_64 ]] || flags=-mavx
+cmake -S "$folder/layout" -B "$folder/layout/build" "$@" \
+  -DCMAKE_PREFIX_PATH="$folder/installed" -DCMAKE_CXX_FLAGS="$flags" >/dev/null
+cmake --build "$folder/layout/build"
+
+# A search that is not required goes on where something is missing.
+mkdir -p -- "$folder/optional"
+cat >"$folder/optional/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.22)
+project(optional LANGUAGES CXX)
+find_package(freegs_pipeline QUIET)
+if(freegs_pipeline_FOUND OR TARGET freegs::splat)
+  message(FATAL_ERROR "found, although something is missing")
+endif()
+END
+cmake -S "$folder/optional" -B "$folder/optional/ceres" "$@" \
+  -DCMAKE_PREFIX_PATH="$folder/installed" \
+  -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON >/dev/null
+PKG_CONFIG_LIBDIR=$folder PKG_CONFIG_PATH="" \
+  cmake -S "$folder/optional" -B "$folder/optional/modules" "$@" \
+  -DCMAKE_PREFIX_PATH="$folder/installed" >/dev/null
+rm -rf -- "$folder/installed" "$folder/build" "$folder/layout" "$folder/optional"
 echo "passed"
