@@ -70,7 +70,7 @@ TEST_F(MapSceneTest, AProgramThatFailsOnAPartIsPassedOver) {
 }
 
 TEST_F(MapSceneTest, APartOfWhichMostGetNoPoseIsNoModel) {
-  const auto result = Run({{"FAKE_COLMAP_PAIR", "6"}});
+  const auto result = Run({{"FAKE_COLMAP_MODELS", "6"}});
   ASSERT_TRUE(result.ok()) << result.status().message();
   EXPECT_THAT(result->attempts.at(0).problem, HasSubstr("6 of 7"));
   EXPECT_EQ(result->attempts.at(1).name, "mapping");
