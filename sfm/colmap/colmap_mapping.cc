@@ -124,10 +124,7 @@ StatusOr<ChildCommand> MapperCommand(const StepContext& context,
     FREEGS_RETURN_IF_ERROR(WriteFileAtomic(list, ListOf(context.input.photos)));
     arguments.Require("image_list_path", list.string());
   }
-  // One thread: sums of bundle adjustment are then always in the same order.
-  arguments.AddAll({"Mapper.num_threads"}, "1");
-  arguments.AddAll({"random_seed", "default_random_seed", "Mapper.random_seed"},
-                   std::to_string(context.input.seed % 2147483647));
+  context.MakeRepeatable(&arguments);
   arguments.Prefer({"Mapper.extract_colors"}, "0");
   EndAdjustmentsEarly(&arguments);
   if (options.start == nullptr && options.pair) {
@@ -199,6 +196,15 @@ StatusOr<ColmapArguments> StepContext::Arguments(const std::string& command,
   child.log_file = LogFile(command);
   child.time_limit_s = TimeLimit(photos);
   return ColmapArguments(std::move(child), std::move(known));
+}
+
+void StepContext::MakeRepeatable(ColmapArguments* arguments) const {
+  // One thread: sums are then always in the same order, and so are the random
+  // numbers.
+  arguments->AddAll({"Mapper.num_threads"}, "1");
+  arguments->AddAll(
+      {"random_seed", "default_random_seed", "Mapper.random_seed"},
+      std::to_string(input.seed % 2147483647));
 }
 
 void StepContext::Report(const std::string& step,

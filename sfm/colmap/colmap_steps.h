@@ -44,6 +44,9 @@ struct StepContext {
   StatusOr<ColmapArguments> Arguments(const std::string& command,
                                       size_t photos) const;
 
+  // Makes a command of the mapper give the same bytes for the same seed.
+  void MakeRepeatable(ColmapArguments* arguments) const;
+
   // Reports progress to the caller.
   void Report(const std::string& step,
               double done,

@@ -48,6 +48,12 @@ struct SfmOptions {
   // core. The result does not depend on it.
   int num_threads = 0;
 
+  // Whether a part of so many photos may be mapped first. What comes of it has
+  // to be adjusted, which the choice of a camera model does.
+  bool MayMapPart(int64_t num_photos) const {
+    return num_photos >= fewest_for_skeleton && camera_model == "auto";
+  }
+
   // The camera model that COLMAP estimates.
   const char* ColmapCameraModel() const {
     return camera_model == "auto" ? "RADIAL" : camera_model.c_str();

@@ -87,15 +87,9 @@ StatusOr<bool> IsBetter(const Models& after,
   return !parts_before.consistent();
 }
 
-// Whether a part of the photos may be mapped first: they are many, all match
-// one another in a chain of pairs but for a few, so that there is one model,
-// and the choice of cameras adjusts what comes of it.
-bool MayMapPart(const StepContext& context, const SceneEvidence& evidence) {
-  if (static_cast<int64_t>(context.input.photos.size()) <
-          context.options.fewest_for_skeleton ||
-      context.options.camera_model != "auto") {
-    return false;
-  }
+// Whether the photos outside of the largest group are too few for a model. A
+// part of the photos makes one model only.
+bool ShowOnePlace(const SceneEvidence& evidence) {
   const PhotoGroups groups = GroupByMatches(evidence, {});
   return groups.members.size() < 2 || groups.members[1].size() < kUsualMinModel;
 }
@@ -108,7 +102,10 @@ Status MapPart(const StepContext& context,
                const DiagnosisOptions& diagnosis,
                AttemptStore* store,
                MappedScene* scene) {
-  if (!MayMapPart(context, scene->evidence)) return {};
+  const auto photos = static_cast<int64_t>(context.input.photos.size());
+  if (!context.options.MayMapPart(photos) || !ShowOnePlace(scene->evidence)) {
+    return {};
+  }
   const std::string name = "mapping, part of the photos first";
   FREEGS_ASSIGN_OR_RETURN(
       AttemptResult made, store->Try(name, [&]() -> StatusOr<AttemptResult> {
@@ -122,14 +119,13 @@ Status MapPart(const StepContext& context,
   Attempt attempt = DescribeAttempt(name, "", made.models);
   attempt.problem = std::move(made.problem);
   if (!made.models.empty()) {
-    attempt.problem = WhyAgain(scene->evidence, made.models, diagnosis);
     FREEGS_ASSIGN_OR_RETURN(const ViewGroups parts,
                             GroupViews(made.models[0], database));
-    if (!parts.consistent()) {
-      attempt.problem = "its photos do not hold together";
-    }
-    attempt.kept = attempt.problem.empty();
+    attempt.problem = parts.consistent()
+                          ? WhyAgain(scene->evidence, made.models, diagnosis)
+                          : "its photos do not hold together";
   }
+  attempt.kept = attempt.problem.empty();
   if (attempt.kept) scene->models = std::move(made.models);
   scene->attempts.push_back(std::move(attempt));
   return {};

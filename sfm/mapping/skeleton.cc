@@ -21,23 +21,30 @@ using Models = std::vector<Reconstruction>;
 // A skeleton of more photos saves too little.
 constexpr double kMostOfThePhotos = 0.5;
 
+// Fewer verified matches make no partners.
+constexpr int64_t kPartnerMatches = 50;
+
+// So many others count for each photo. Without this limit a few photos would be
+// partners of all others where all photos show the same, and the skeleton would
+// be too small.
+constexpr size_t kMostPartners = 20;
+
 // The partners of each photo, by its id.
 using Partners = std::map<uint32_t, std::vector<uint32_t>>;
 
-Partners FindPartners(std::span<const MatchDatabase::VerifiedPair> pairs,
-                      const SkeletonOptions& options) {
+Partners FindPartners(std::span<const MatchDatabase::VerifiedPair> pairs) {
   // Most matches first, then smaller ids: pairs of the negative number of
   // matches and the id.
   std::map<uint32_t, std::vector<std::pair<int64_t, uint32_t>>> candidates;
   for (const MatchDatabase::VerifiedPair& pair : pairs) {
-    if (pair.num_matches < options.min_matches) continue;
+    if (pair.num_matches < kPartnerMatches) continue;
     candidates[pair.id1].emplace_back(-pair.num_matches, pair.id2);
     candidates[pair.id2].emplace_back(-pair.num_matches, pair.id1);
   }
   std::set<std::pair<uint32_t, uint32_t>> kept;
   for (auto& [id, others] : candidates) {
     std::sort(others.begin(), others.end());
-    others.resize(std::min(others.size(), options.most_partners));
+    others.resize(std::min(others.size(), kMostPartners));
     for (const auto& [negative_matches, other] : others) {
       kept.insert(std::minmax(id, other));
     }
@@ -58,7 +65,7 @@ StatusOr<std::vector<SfmPhoto>> SkeletonPhotos(
                           MatchDatabase::Open(path));
   FREEGS_ASSIGN_OR_RETURN(const auto pairs, database.VerifiedPairs());
   FREEGS_ASSIGN_OR_RETURN(const auto ids, database.PhotoIds());
-  const std::vector<uint32_t> chosen = ChooseSkeleton(pairs, {});
+  const std::vector<uint32_t> chosen = ChooseSkeleton(pairs);
   const std::set<uint32_t> skeleton(chosen.begin(), chosen.end());
   std::vector<SfmPhoto> result;
   for (const SfmPhoto& photo : photos) {
@@ -99,12 +106,11 @@ Reconstruction WithoutBlindPhotos(const Reconstruction& model) {
 }  // namespace
 
 std::vector<uint32_t> ChooseSkeleton(
-    std::span<const MatchDatabase::VerifiedPair> pairs,
-    const SkeletonOptions& options) {
-  const Partners partners = FindPartners(pairs, options);
+    std::span<const MatchDatabase::VerifiedPair> pairs) {
+  const Partners partners = FindPartners(pairs);
   std::map<uint32_t, int> missing;  // Partners that a photo still needs.
   for (const auto& [id, others] : partners) {
-    missing[id] = std::min(options.partners, static_cast<int>(others.size()));
+    missing[id] = std::min(kSkeletonPartners, static_cast<int>(others.size()));
   }
   const auto needed_by = [&](uint32_t id) {
     const std::vector<uint32_t>& others = partners.at(id);

@@ -23,26 +23,17 @@
 
 namespace freegs::sfm {
 
-struct SkeletonOptions {
-  // Two photos with so many verified matches can be partners.
-  int64_t min_matches = 50;
+// How many partners each photo has in the skeleton, whether it belongs to the
+// skeleton or not. A photo with fewer partners has all of them there.
+inline constexpr int kSkeletonPartners = 6;
 
-  // For each photo only so many others count, those with which it has most
-  // matches. Without this limit a few photos would be partners of all others
-  // where all photos show the same, and the skeleton would be too small.
-  size_t most_partners = 20;
-
-  // How many partners each photo has in the skeleton, whether it belongs to the
-  // skeleton or not. A photo with fewer partners has all of them there.
-  int partners = 6;
-};
-
-// Chooses photos, the one first that most others still need, until each photo
-// has its partners among them (the greedy way to a small dominating set).
-// Returns their ids, ascending. Photos without partners are not among them.
+// Two photos are partners if they have 50 verified matches or more, and one of
+// them is among the 20 with which the other has most. Chooses photos, the one
+// first that most others still need, until each photo has its partners among
+// them (the greedy way to a small dominating set). Returns their ids,
+// ascending. Photos without partners are not among them.
 std::vector<uint32_t> ChooseSkeleton(
-    std::span<const MatchDatabase::VerifiedPair> pairs,
-    const SkeletonOptions& options);
+    std::span<const MatchDatabase::VerifiedPair> pairs);
 
 // Maps a skeleton of the photos as MapFromBestPair does, registers the other
 // photos, triangulates all points anew, and lets the mapper go on with photos

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Tells the user which attempts beyond the plain one placed more photos. If a
-// part of the photos was mapped first and led to nothing, it counts as none.
+// Tells the user which attempts after the plain one placed more photos. There
+// is no plain one where a part of the photos was mapped first and did.
 void WarnOfAttempts(const std::vector<Attempt>& attempts,
                     size_t photos,
                     std::vector<std::string>* warnings) {

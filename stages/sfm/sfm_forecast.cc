@@ -44,7 +44,8 @@ constexpr double kPointsPerFeature = 0.61;
 // all photos again and again, so a photo costs more the more there are. The
 // exponent was chosen by runs of 60, 300 and 1000 photos. Of many photos it
 // maps a part, of about kSkeletonShare, and each photo then costs a little more
-// for its place and its points.
+// for its place and its points; this was chosen by bonsai and by 300 and 1000
+// drawn photos.
 constexpr double kUsualFeatures = 3000;
 constexpr double kSecondsPerPhoto = 0.17;
 constexpr double kSecondsPerMegapixel = 0.03;
@@ -74,7 +75,7 @@ constexpr double kModelDiskBytesPerPhoto = 130e3;
 // matching.
 double MappingSeconds(const sfm::SfmOptions& options, int64_t photos) {
   const auto count = static_cast<double>(photos);
-  const bool part = photos >= options.fewest_for_skeleton;
+  const bool part = options.MayMapPart(photos);
   const double mapped = part ? kSkeletonShare * count : count;
   const double seconds = kMappingSecondsPerPhoto * mapped *
                              std::pow(mapped / kUsualPhotos, kMappingExponent) +

@@ -42,27 +42,26 @@ int64_t PartnersWithin(const std::vector<uint32_t>& skeleton,
 }
 
 TEST(SkeletonTest, EveryPhotoHasItsPartners) {
-  const SkeletonOptions options;
-  const auto skeleton = ChooseSkeleton(Film(100, 8), options);
+  const auto skeleton = ChooseSkeleton(Film(100, 8));
   EXPECT_LT(skeleton.size(), 60u);
   EXPECT_TRUE(std::is_sorted(skeleton.begin(), skeleton.end()));
   for (uint32_t photo = 1; photo <= 100; ++photo) {
-    EXPECT_GE(PartnersWithin(skeleton, photo, 8), options.partners) << photo;
+    EXPECT_GE(PartnersWithin(skeleton, photo, 8), kSkeletonPartners) << photo;
   }
 }
 
 TEST(SkeletonTest, PhotosWithFewPartnersHaveAllOfThem) {
-  const auto skeleton = ChooseSkeleton(Film(5, 1), SkeletonOptions());
+  const auto skeleton = ChooseSkeleton(Film(5, 1));
   EXPECT_THAT(skeleton, testing::ElementsAre(1, 2, 3, 4, 5));
 }
 
 TEST(SkeletonTest, FewMatchesMakeNoPartners) {
   std::vector<VerifiedPair> pairs = Film(30, 10);
-  const auto skeleton = ChooseSkeleton(pairs, SkeletonOptions());
+  const auto skeleton = ChooseSkeleton(pairs);
   pairs.push_back(Matching(3, 31, 49));
-  EXPECT_EQ(ChooseSkeleton(pairs, SkeletonOptions()), skeleton);
+  EXPECT_EQ(ChooseSkeleton(pairs), skeleton);
   pairs.back().num_matches = 50;
-  EXPECT_THAT(ChooseSkeleton(pairs, SkeletonOptions()), testing::Contains(3));
+  EXPECT_THAT(ChooseSkeleton(pairs), testing::Contains(3));
 }
 
 TEST(SkeletonTest, ManyPairsDoNotMakeItSmall) {
@@ -72,22 +71,22 @@ TEST(SkeletonTest, ManyPairsDoNotMakeItSmall) {
       pairs.push_back(Matching(i, j, 1000 - 5 * static_cast<int64_t>(j - i)));
     }
   }
-  const auto skeleton = ChooseSkeleton(pairs, SkeletonOptions());
+  const auto skeleton = ChooseSkeleton(pairs);
   EXPECT_GT(skeleton.size(), 25u);
   for (uint32_t photo = 1; photo <= 100; ++photo) {
-    EXPECT_GE(PartnersWithin(skeleton, photo, 20), 6) << photo;
+    EXPECT_GE(PartnersWithin(skeleton, photo, 20), kSkeletonPartners) << photo;
   }
 }
 
 TEST(SkeletonTest, OrderOfPairsDoesNotMatter) {
   std::vector<VerifiedPair> pairs = Film(60, 9);
-  const auto skeleton = ChooseSkeleton(pairs, SkeletonOptions());
+  const auto skeleton = ChooseSkeleton(pairs);
   std::reverse(pairs.begin(), pairs.end());
-  EXPECT_EQ(ChooseSkeleton(pairs, SkeletonOptions()), skeleton);
+  EXPECT_EQ(ChooseSkeleton(pairs), skeleton);
 }
 
 TEST(SkeletonTest, NoPairsNoSkeleton) {
-  EXPECT_TRUE(ChooseSkeleton({}, SkeletonOptions()).empty());
+  EXPECT_TRUE(ChooseSkeleton({}).empty());
 }
 
 }  // namespace

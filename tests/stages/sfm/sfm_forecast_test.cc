@@ -60,6 +60,9 @@ TEST(SfmForecastTest, GrowsWithPhotosAndFeatures) {
 TEST(SfmForecastTest, APartOfManyPhotosTakesLessTime) {
   sfm::SfmOptions options;
   const double part = Sfm(options, SceneOutlookOf(300, 640, 480), 1).seconds;
+  options.camera_model = "RADIAL";
+  EXPECT_LT(part, Sfm(options, SceneOutlookOf(300, 640, 480), 1).seconds);
+  options.camera_model = "auto";
   options.fewest_for_skeleton = 301;
   EXPECT_LT(part, Sfm(options, SceneOutlookOf(300, 640, 480), 1).seconds);
 }
