@@ -78,15 +78,36 @@ void Explain(const std::vector<ObjectQuality>& objects) {
   }
 }
 
+// A scene with each of its divisions into patches.
+using Divisions = std::vector<LearningScene>;
+
+// The hierarchy that the program would take, and the division that it is of.
+struct Chosen {
+  semantics::Hierarchy hierarchy;
+  size_t division = 0;
+};
+
+Chosen Choose(const Divisions& scene,
+              const LearntModels& models,
+              ThreadPool& pool) {
+  std::vector<semantics::ScenePatches> patches;
+  for (const LearningScene& one : scene) patches.push_back(one.patches);
+  std::vector<semantics::Hierarchy> hierarchies =
+      semantics::BuildHierarchies(patches, models, pool);
+  const size_t division =
+      semantics::DivisionMostAgreedOn(hierarchies, patches[0].seen, pool);
+  return {std::move(hierarchies[division]), division};
+}
+
 // A table of all scenes. Returns the mean IoU at the default granularity.
-double Report(const std::vector<LearningScene>& scenes,
+double Report(const std::vector<Divisions>& scenes,
               const LearntModels& models,
               const Arguments& arguments,
               ThreadPool& pool) {
   constexpr double kGranularities[] = {-7, -3, -1, 0, 1, 2, 4};
   constexpr size_t kColumns = std::size(kGranularities);
   struct Row {
-    semantics::Hierarchy hierarchy;
+    Chosen chosen;
     std::vector<std::vector<ObjectQuality>> objects;
     double best_level = 0;
     double best_patches = 0;
@@ -99,16 +120,17 @@ double Report(const std::vector<LearningScene>& scenes,
       [&](int64_t first, int64_t last, int) {
         ThreadPool one_thread(1);
         for (int64_t s = first; s < last; ++s) {
-          rows[s].hierarchy =
-              semantics::BuildHierarchy(scenes[s].graph, models, one_thread);
+          Row& row = rows[s];
+          row.chosen = Choose(scenes[s], models, one_thread);
+          const LearningScene& scene = scenes[s][row.chosen.division];
           for (const double granularity : kGranularities) {
-            rows[s].objects.push_back(MeasureObjects(
-                scenes[s],
-                semantics::CutHierarchy(rows[s].hierarchy, granularity)
+            row.objects.push_back(MeasureObjects(
+                scene,
+                semantics::CutHierarchy(row.chosen.hierarchy, granularity)
                     .region_of_part));
           }
-          rows[s].best_level = BestLevelIou(scenes[s], rows[s].hierarchy.tree);
-          rows[s].best_patches = BestPatchesIou(scenes[s]);
+          row.best_level = BestLevelIou(scene, row.chosen.hierarchy.tree);
+          row.best_patches = BestPatchesIou(scene);
         }
       });
   std::printf("%-16s", "granularity");
@@ -121,7 +143,8 @@ double Report(const std::vector<LearningScene>& scenes,
   double worst = 1;
   for (size_t s = 0; s < scenes.size(); ++s) {
     const Row& row = rows[s];
-    std::printf("%-16s", scenes[s].name.c_str());
+    const LearningScene& scene = scenes[s][row.chosen.division];
+    std::printf("%-16s", scene.name.c_str());
     for (size_t k = 0; k < kColumns; ++k) {
       const double iou = MeanIou(row.objects[k]);
       std::printf("  %.3f/%.1f", iou, MeanPieces(row.objects[k]));
@@ -134,8 +157,8 @@ double Report(const std::vector<LearningScene>& scenes,
     const std::vector<ObjectQuality>& normal = row.objects[kColumns / 2];
     if (arguments.explain) Explain(normal);
     if (!arguments.draw.empty()) {
-      Draw(scenes[s],
-           semantics::CutHierarchy(row.hierarchy, 0).region_of_part,
+      Draw(scene,
+           semantics::CutHierarchy(row.chosen.hierarchy, 0).region_of_part,
            arguments.draw);
     }
   }
@@ -209,7 +232,7 @@ Status WriteQuality(const LearntQuality& learnt,
 // what becomes of them, and says what becomes of the scenes.
 void LeaveOutInTurn(const LearntEvidence& learnt,
                     const std::vector<LearningScene>& taught,
-                    const std::vector<LearningScene>& tested,
+                    const std::vector<Divisions>& tested,
                     double all,
                     const Arguments& arguments,
                     ThreadPool& pool) {
@@ -234,17 +257,18 @@ void LeaveOutInTurn(const LearntEvidence& learnt,
   }
 }
 
-StatusOr<std::vector<LearningScene>> LoadScenes(
+StatusOr<std::vector<Divisions>> LoadScenes(
     const std::vector<std::string>& folders,
     bool with_semantics,
     ThreadPool& pool) {
-  std::vector<LearningScene> scenes;
+  std::vector<Divisions> scenes;
   for (size_t i = 0; i + 1 < folders.size(); i += 2) {
     FREEGS_ASSIGN_OR_RETURN(
-        LearningScene scene,
+        Divisions scene,
         LoadLearningScene(folders[i], folders[i + 1], with_semantics, pool));
-    std::cerr << scene.name << ": " << scene.graph.regions.size()
-              << " patches, " << scene.graph.contacts.size() << " contacts\n";
+    const semantics::RegionGraph& graph = scene[0].patches.graph;
+    std::cerr << scene[0].name << ": " << graph.regions.size() << " patches, "
+              << graph.contacts.size() << " contacts\n";
     scenes.push_back(std::move(scene));
   }
   return scenes;
@@ -267,11 +291,14 @@ Status Learn(const Arguments& arguments) {
   }
   ThreadPool pool(arguments.threads);
   FREEGS_ASSIGN_OR_RETURN(
-      const std::vector<LearningScene> tested,
+      const std::vector<Divisions> tested,
       LoadScenes(arguments.test, arguments.semantics, pool));
   FREEGS_ASSIGN_OR_RETURN(
-      const std::vector<LearningScene> taught,
+      const std::vector<Divisions> training,
       LoadScenes(arguments.train, arguments.semantics, pool));
+  // One division of each scene teaches; the others would tell the same.
+  std::vector<LearningScene> taught;
+  for (const Divisions& scene : training) taught.push_back(scene[0]);
   FREEGS_ASSIGN_OR_RETURN(LearntModels models, semantics::DefaultModels());
   const bool learns_evidence = arguments.weights.empty() && !taught.empty();
   if (!arguments.weights.empty()) {
@@ -301,7 +328,7 @@ Status Learn(const Arguments& arguments) {
           "masks shows a region");
     }
     models.quality = quality.model;
-    Report(taught, models, arguments, pool);
+    Report(training, models, arguments, pool);
   }
   Origin origin{.num_scenes = taught.size(), .num_judged = tested.size()};
   if (!tested.empty()) {

@@ -17,10 +17,12 @@ constexpr int kCalibrationSteps = 40;
 std::vector<JudgedMerge> JudgeMerges(const LearningScene& scene,
                                      const semantics::EvidenceModel& model) {
   const semantics::RegionTree tree = semantics::MergeRegions(
-      scene.graph,
+      scene.patches.graph,
       [&](const semantics::Evidence& e) { return model.Difference(e); });
-  const double crumb_size = semantics::CrumbSize(scene.graph.total_pixels);
-  const std::vector<double> sizes = tree.Sums(scene.graph.PixelsOfRegions());
+  const double crumb_size =
+      semantics::CrumbSize(scene.patches.graph.total_pixels);
+  const std::vector<double> sizes =
+      tree.Sums(scene.patches.graph.PixelsOfRegions());
   const std::vector<double> pixels = tree.Sums(scene.pixels);
   std::vector<std::map<int, double>> votes = scene.votes;
   std::vector<JudgedMerge> judged;

@@ -52,7 +52,7 @@ void Collect(const LearningScene& scene,
         }
         return join;
       };
-  semantics::MergeRegions(scene.graph, difference, allow);
+  semantics::MergeRegions(scene.patches.graph, difference, allow);
 }
 
 // Mean and deviation of each evidence. At least one example.

@@ -108,10 +108,11 @@ std::map<int, double> SumOfVotes(std::map<int, double> votes,
   return votes;
 }
 
-StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
-                                          const fs::path& truth,
-                                          bool with_semantics,
-                                          ThreadPool& pool) {
+StatusOr<std::vector<LearningScene>> LoadLearningScene(
+    const fs::path& workspace,
+    const fs::path& truth,
+    bool with_semantics,
+    ThreadPool& pool) {
   FREEGS_ASSIGN_OR_RETURN(const stages::WorkspaceScene scene,
                           stages::ReadWorkspaceScene(workspace));
   std::vector<View> views = scene.train;
@@ -120,7 +121,7 @@ StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
     return ReadRgb(workspace / "undistort/images" / scene.train[v].name);
   };
   FREEGS_ASSIGN_OR_RETURN(
-      semantics::ScenePatches patches,
+      std::vector<semantics::ScenePatches> divisions,
       semantics::BuildScenePatches(
           {.model = scene.model,
            .views = scene.train,
@@ -140,13 +141,18 @@ StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
       return BadInputError(workspace.string() +
                            ": bootstrap has no semantics for these Gaussians");
     }
-    semantics::SetSemantics(field.features, field.feature_dim, &patches);
+    for (semantics::ScenePatches& patches : divisions) {
+      semantics::SetSemantics(field.features, field.feature_dim, &patches);
+    }
   }
-  LearningScene result;
-  result.name = SceneName(workspace);
-  result.graph = std::move(patches.graph);
-  result.votes.resize(result.graph.regions.size());
-  result.pixels.assign(result.graph.regions.size(), 0);
+  std::vector<LearningScene> result;
+  for (semantics::ScenePatches& patches : divisions) {
+    LearningScene& one = result.emplace_back();
+    one.name = SceneName(workspace);
+    one.patches = std::move(patches);
+    one.votes.resize(one.patches.graph.regions.size());
+    one.pixels.assign(one.patches.graph.regions.size(), 0);
+  }
   std::map<std::string, int> numbers;
   for (View view : views) {
     FREEGS_ASSIGN_OR_RETURN(const Masks masks,
@@ -157,15 +163,16 @@ StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
         const splat::BlendingWeights weights,
         splat::ComputeBlendingWeights(
             scene.model, view.camera, view.cam_from_world, scene.render, pool));
-    Image<int32_t> shown = semantics::PatchOfPixels(
-        weights.matrix(), patches.patch_of_gaussian, pool);
-    CountVotes(shown, masks, &result);
-    if (result.pictures.size() < kMaxPictures) {
-      result.pictures.emplace_back(fs::path(view.name).stem(),
-                                   std::move(shown));
+    for (LearningScene& one : result) {
+      Image<int32_t> shown = semantics::PatchOfPixels(
+          weights.matrix(), one.patches.patch_of_gaussian);
+      CountVotes(shown, masks, &one);
+      if (one.pictures.size() < kMaxPictures) {
+        one.pictures.emplace_back(fs::path(view.name).stem(), std::move(shown));
+      }
     }
   }
-  if (result.segment_pixels.empty()) {
+  if (result[0].segment_pixels.empty()) {
     return BadInputError(truth.string() + ": no true masks of the photos of " +
                          workspace.string());
   }

@@ -16,7 +16,7 @@
 #include "core/status.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/patches/evidence_model.h"
-#include "semantics/patches/region_graph.h"
+#include "semantics/patches/scene_patches.h"
 
 namespace freegs::evidence {
 
@@ -24,9 +24,10 @@ namespace freegs::evidence {
 // the room.
 inline constexpr int kFirstSurface = 200;
 
+// With one division into patches.
 struct LearningScene {
   std::string name;
-  semantics::RegionGraph graph;  // A region for each patch.
+  semantics::ScenePatches patches;
 
   // In the views that have true masks: the pixels of each patch, those that are
   // in each true segment, and all of each segment. Segments may overlap, as
@@ -48,9 +49,10 @@ std::map<int, double> SumOfVotes(std::map<int, double> votes,
 
 // truth: a folder of freegs_make_scene, or one with test_mask/VIEW/LABEL.png.
 // with_semantics: patches get the vectors of the workspace's
-// bootstrap/idsf.bin. The scene has the name of the workspace's folder.
-// kBadInput names a truth without a mask of any of the workspace's photos.
-StatusOr<LearningScene> LoadLearningScene(
+// bootstrap/idsf.bin. Returns the scene with each division, semantics::
+// kNumDivisions in all, under the name of the workspace's folder. kBadInput
+// names a truth without a mask of any of the workspace's photos.
+StatusOr<std::vector<LearningScene>> LoadLearningScene(
     const std::filesystem::path& workspace,
     const std::filesystem::path& truth,
     bool with_semantics,

@@ -47,14 +47,16 @@ double BestIou(const LearningScene& scene,
 
 std::vector<RegionExample> ExamplesOf(
     const LearningScene& scene, const semantics::EvidenceModel& evidence) {
-  const double crumb_size = semantics::CrumbSize(scene.graph.total_pixels);
-  const semantics::MeasuredTree measured =
-      semantics::MergeAndMeasure(scene.graph,
-                                 semantics::EvidenceOfContacts(scene.graph),
-                                 evidence,
-                                 crumb_size);
+  const double crumb_size =
+      semantics::CrumbSize(scene.patches.graph.total_pixels);
+  const semantics::MeasuredTree measured = semantics::MergeAndMeasure(
+      scene.patches.graph,
+      semantics::EvidenceOfContacts(scene.patches.graph),
+      evidence,
+      crumb_size);
   const semantics::RegionTree& tree = measured.tree;
-  const std::vector<double> sizes = tree.Sums(scene.graph.PixelsOfRegions());
+  const std::vector<double> sizes =
+      tree.Sums(scene.patches.graph.PixelsOfRegions());
   const std::vector<double> pixels = tree.Sums(scene.pixels);
   std::vector<std::map<int, double>> votes = scene.votes;
   std::vector<double> outer(sizes.size(), 0.0);  // The size of the parent.

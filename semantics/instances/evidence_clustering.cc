@@ -2,13 +2,16 @@
 
 #include "semantics/instances/evidence_clustering.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
 
 #include "semantics/instances/label_noise.h"
+#include "semantics/patches/region_graph.h"
 #include "semantics/patches/region_merging.h"
+#include "semantics/patches/shared_pixels.h"
 #include "semantics/patches/tree_variants.h"
 
 namespace freegs::semantics {
@@ -34,6 +37,68 @@ void DropLonelyCrumbs(Hierarchy* hierarchy) {
   }
 }
 
+// A tree of a division's patches.
+struct JudgedTree {
+  RegionTree tree;
+  std::vector<double> quality;    // Of each region.
+  std::vector<uint8_t> is_large;  // Whether it is no crumb.
+};
+
+JudgedTree BuildTree(const RegionGraph& graph,
+                     std::span<const Evidence> of_contacts,
+                     int variant,
+                     const LearntModels& models) {
+  const double crumb_size = CrumbSize(graph.total_pixels);
+  MeasuredTree measured = MergeAndMeasure(
+      graph, of_contacts, VariantOf(models.evidence, variant), crumb_size);
+  JudgedTree result;
+  for (const RegionAttributes& attributes : measured.attributes) {
+    result.quality.push_back(models.quality.Probability(attributes));
+  }
+  for (const double pixels : measured.tree.Sums(graph.PixelsOfRegions())) {
+    result.is_large.push_back(pixels >= crumb_size ? 1 : 0);
+  }
+  result.tree = std::move(measured.tree);
+  return result;
+}
+
+// The first tree of division `own`, as good as all trees find it. trees: those
+// of each division, one division after the other.
+Hierarchy HierarchyOf(std::span<const ScenePatches> divisions,
+                      std::span<const JudgedTree> trees,
+                      size_t own) {
+  const ScenePatches& patches = divisions[own];
+  const JudgedTree& first = trees[own * kNumTreeVariants];
+  Hierarchy hierarchy;
+  hierarchy.tree = first.tree;
+  hierarchy.total_pixels = patches.graph.total_pixels;
+  hierarchy.part_pixels = patches.graph.PixelsOfRegions();
+  hierarchy.part_of_gaussian = patches.patch_of_gaussian;
+  hierarchy.quality.assign(first.quality.size(), 0.0);
+  for (size_t d = 0; d < divisions.size(); ++d) {
+    const std::vector<SharedPixels> shared =
+        FindSharedPixels(patches.patch_of_gaussian,
+                         divisions[d].patch_of_gaussian,
+                         patches.seen);
+    for (const JudgedTree& other :
+         trees.subspan(d * kNumTreeVariants, kNumTreeVariants)) {
+      const std::vector<double> quality = QualityInOther(first.tree,
+                                                         first.is_large,
+                                                         other.tree,
+                                                         other.is_large,
+                                                         other.quality,
+                                                         shared);
+      for (size_t r = 0; r < quality.size(); ++r) {
+        hierarchy.quality[r] += quality[r];
+      }
+    }
+  }
+  for (double& quality : hierarchy.quality) {
+    quality = RoundedQuality(quality / static_cast<double>(trees.size()));
+  }
+  return hierarchy;
+}
+
 }  // namespace
 
 Status EvidenceClusteringOptions::Check() const {
@@ -50,55 +115,56 @@ StatusOr<LearntModels> DefaultModels() {
   return models;
 }
 
-Hierarchy BuildHierarchy(const RegionGraph& graph,
-                         const LearntModels& models,
-                         ThreadPool& pool) {
-  Hierarchy hierarchy;
-  hierarchy.total_pixels = graph.total_pixels;
-  hierarchy.part_pixels = graph.PixelsOfRegions();
-  const double crumb_size = CrumbSize(graph.total_pixels);
-  struct Variant {
-    RegionTree tree;
-    std::vector<double> quality;
-    std::vector<double> quality_of_first;  // For the regions of variant 0.
-  };
-  std::vector<Variant> variants(kNumTreeVariants);
-  const std::vector<Evidence> of_contacts = EvidenceOfContacts(graph);
-  pool.ParallelFor(
-      0, kNumTreeVariants, 1, [&](int64_t first, int64_t last, int) {
-        for (int64_t v = first; v < last; ++v) {
-          MeasuredTree measured =
-              MergeAndMeasure(graph,
-                              of_contacts,
-                              VariantOf(models.evidence, static_cast<int>(v)),
-                              crumb_size);
-          variants[v].tree = std::move(measured.tree);
-          for (const RegionAttributes& attributes : measured.attributes) {
-            variants[v].quality.push_back(
-                models.quality.Probability(attributes));
-          }
-        }
-      });
-  pool.ParallelFor(
-      1, kNumTreeVariants, 1, [&](int64_t first, int64_t last, int) {
-        for (int64_t v = first; v < last; ++v) {
-          variants[v].quality_of_first = QualityInVariant(variants[0].tree,
-                                                          variants[v].tree,
-                                                          variants[v].quality,
-                                                          hierarchy.part_pixels,
-                                                          crumb_size);
-        }
-      });
-  hierarchy.quality = std::move(variants[0].quality);
-  for (size_t r = 0; r < hierarchy.quality.size(); ++r) {
-    double sum = hierarchy.quality[r];
-    for (int v = 1; v < kNumTreeVariants; ++v) {
-      sum += variants[v].quality_of_first[r];
+std::vector<Hierarchy> BuildHierarchies(std::span<const ScenePatches> divisions,
+                                        const LearntModels& models,
+                                        ThreadPool& pool) {
+  const auto num_divisions = static_cast<int64_t>(divisions.size());
+  const auto num_trees = num_divisions * kNumTreeVariants;
+  std::vector<std::vector<Evidence>> of_contacts(divisions.size());
+  pool.ParallelFor(0, num_divisions, 1, [&](int64_t first, int64_t last, int) {
+    for (int64_t d = first; d < last; ++d) {
+      of_contacts[d] = EvidenceOfContacts(divisions[d].graph);
     }
-    hierarchy.quality[r] = RoundedQuality(sum / kNumTreeVariants);
-  }
-  hierarchy.tree = std::move(variants[0].tree);
-  return hierarchy;
+  });
+  std::vector<JudgedTree> trees(num_trees);
+  pool.ParallelFor(0, num_trees, 1, [&](int64_t first, int64_t last, int) {
+    for (int64_t t = first; t < last; ++t) {
+      trees[t] = BuildTree(divisions[t / kNumTreeVariants].graph,
+                           of_contacts[t / kNumTreeVariants],
+                           static_cast<int>(t % kNumTreeVariants),
+                           models);
+    }
+  });
+  std::vector<Hierarchy> hierarchies(divisions.size());
+  pool.ParallelFor(0, num_divisions, 1, [&](int64_t first, int64_t last, int) {
+    for (int64_t d = first; d < last; ++d) {
+      hierarchies[d] = HierarchyOf(divisions, trees, d);
+    }
+  });
+  return hierarchies;
+}
+
+size_t DivisionMostAgreedOn(std::span<const Hierarchy> hierarchies,
+                            std::span<const double> seen,
+                            ThreadPool& pool) {
+  std::vector<std::vector<int32_t>> labels(hierarchies.size());
+  std::vector<double> agreement(hierarchies.size(), 0.0);
+  const auto num_divisions = static_cast<int64_t>(hierarchies.size());
+  pool.ParallelFor(0, num_divisions, 1, [&](int64_t first, int64_t last, int) {
+    for (int64_t d = first; d < last; ++d) {
+      labels[d] = CutHierarchy(hierarchies[d], hierarchies[d].granularity)
+                      .label_of_gaussian;
+    }
+  });
+  pool.ParallelFor(0, num_divisions, 1, [&](int64_t first, int64_t last, int) {
+    for (int64_t d = first; d < last; ++d) {
+      for (size_t other = 0; other < labels.size(); ++other) {
+        agreement[d] += Agreement(labels[d], labels[other], seen);
+      }
+    }
+  });
+  return static_cast<size_t>(std::ranges::max_element(agreement) -
+                             agreement.begin());
 }
 
 EvidenceClusters CutIntoClusters(Hierarchy hierarchy,
@@ -137,21 +203,29 @@ EvidenceClusters CutIntoClusters(Hierarchy hierarchy,
 
 StatusOr<EvidenceClusters> ClusterByEvidence(
     const splat::GaussianModel& model,
-    const ScenePatches& patches,
+    std::span<const ScenePatches> divisions,
     double scene_radius,
     double haze_distance,
     const LearntModels& models,
     const EvidenceClusteringOptions& options,
     ThreadPool& pool) {
   FREEGS_RETURN_IF_ERROR(options.Check());
-  Hierarchy hierarchy = BuildHierarchy(patches.graph, models, pool);
-  hierarchy.granularity = options.granularity;
-  hierarchy.part_of_gaussian = patches.patch_of_gaussian;
+  std::vector<Hierarchy> hierarchies =
+      BuildHierarchies(divisions, models, pool);
+  for (Hierarchy& hierarchy : hierarchies) {
+    hierarchy.granularity = options.granularity;
+  }
+  const size_t chosen =
+      DivisionMostAgreedOn(hierarchies, divisions[0].seen, pool);
+  Hierarchy hierarchy = std::move(hierarchies[chosen]);
   DropLonelyCrumbs(&hierarchy);
   for (int round = 0; round < kHazeRounds; ++round) {
     LabelNoise(model, haze_distance, pool, &hierarchy.part_of_gaussian);
   }
-  return CutIntoClusters(std::move(hierarchy), patches, scene_radius);
+  EvidenceClusters clusters =
+      CutIntoClusters(std::move(hierarchy), divisions[chosen], scene_radius);
+  clusters.division = chosen;
+  return clusters;
 }
 
 }  // namespace freegs::semantics

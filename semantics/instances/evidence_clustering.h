@@ -5,7 +5,9 @@
 #ifndef FREEGS_SEMANTICS_INSTANCES_EVIDENCE_CLUSTERING_H_
 #define FREEGS_SEMANTICS_INSTANCES_EVIDENCE_CLUSTERING_H_
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/parallel.h"
@@ -13,7 +15,6 @@
 #include "semantics/geometry/plane.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/patches/evidence_model.h"
-#include "semantics/patches/region_graph.h"
 #include "semantics/patches/region_quality.h"
 #include "semantics/patches/scene_patches.h"
 #include "splat/scene/gaussian_model.h"
@@ -30,6 +31,7 @@ struct EvidenceClusteringOptions {
 
 struct EvidenceClusters {
   Hierarchy hierarchy;
+  size_t division = 0;  // Whose patches are the leaves of the hierarchy.
 
   // The instances at options.granularity, by descending size.
   std::vector<int32_t> labels;  // One for each Gaussian; -1 for none.
@@ -50,12 +52,19 @@ struct LearntModels {
 };
 StatusOr<LearntModels> DefaultModels();
 
-// The tree of the graph's patches, with the quality of each region: the mean
-// over the tree and its variants (tree_variants.h). There are no Gaussians in
-// it.
-Hierarchy BuildHierarchy(const RegionGraph& graph,
-                         const LearntModels& models,
-                         ThreadPool& pool);
+// For each division into patches the tree of its patches, with the quality of
+// each region: the mean over the trees of all divisions and their variants
+// (tree_variants.h).
+std::vector<Hierarchy> BuildHierarchies(std::span<const ScenePatches> divisions,
+                                        const LearntModels& models,
+                                        ThreadPool& pool);
+
+// The division whose instances, at the granularity of the hierarchies, the
+// others agree with most (Agreement). Of equals the first one. seen: how many
+// pixels each Gaussian covers.
+size_t DivisionMostAgreedOn(std::span<const Hierarchy> hierarchies,
+                            std::span<const double> seen,
+                            ThreadPool& pool);
 
 // The instances of a hierarchy of the patches, at its own granularity.
 // scene_radius: in units of the model frame (splat/scene/model_frame.h).
@@ -63,14 +72,15 @@ EvidenceClusters CutIntoClusters(Hierarchy hierarchy,
                                  const ScenePatches& patches,
                                  double scene_radius);
 
-// Gaussians in no patch, haze above all, and those of crumbs that touch nothing
+// The instances of the division that the others agree with most. Gaussians in
+// no patch, haze above all, and those of crumbs that touch nothing
 // take the part of the nearest Gaussian that has one, if that is within
 // haze_distance. This is done twice, so that haze beside haze gets a part.
-// scene_radius and haze_distance: in units of the model frame.
-// kInvalidArgument for options out of range.
+// divisions: at least one. scene_radius and haze_distance: in units of the
+// model frame. kInvalidArgument for options out of range.
 StatusOr<EvidenceClusters> ClusterByEvidence(
     const splat::GaussianModel& model,
-    const ScenePatches& patches,
+    std::span<const ScenePatches> divisions,
     double scene_radius,
     double haze_distance,
     const LearntModels& models,

@@ -122,7 +122,7 @@ StatusOr<InstanceClusterer> InstanceClusterer::Create(
   }
   FREEGS_ASSIGN_OR_RETURN(clusterer.models_, DefaultModels());
   FREEGS_ASSIGN_OR_RETURN(
-      clusterer.patches_,
+      clusterer.divisions_,
       BuildScenePatches({.model = model,
                          .views = photos.views,
                          .render = photos.render,
@@ -137,6 +137,7 @@ InstanceLabels InstanceClusterer::LabelsOf(EvidenceClusters clusters) const {
   InstanceLabels result;
   result.scene_radius = extent_.radius;
   result.hierarchy = std::move(clusters.hierarchy);
+  result.division = clusters.division;
   result.labels = std::move(clusters.labels);
   result.planes = std::move(clusters.planes);
   result.num_clustered = clusters.num_clustered;
@@ -153,10 +154,12 @@ StatusOr<InstanceLabels> InstanceClusterer::Cluster(
   }
   if (IsCancelled(cancellation)) return Interrupted();
   if (options_.method == ClusteringMethod::kEvidence) {
-    SetSemantics(semantics.values, semantics.dim, &patches_);
+    for (ScenePatches& patches : divisions_) {
+      SetSemantics(semantics.values, semantics.dim, &patches);
+    }
     FREEGS_ASSIGN_OR_RETURN(EvidenceClusters clusters,
                             ClusterByEvidence(*model_,
-                                              patches_,
+                                              divisions_,
                                               extent_.radius,
                                               kNoiseDistance * extent_.radius,
                                               models_,
@@ -187,7 +190,7 @@ std::vector<InstancePair> InstanceClusterer::PairsThatMeet(
     const InstanceLabels& labels) const {
   if (!labels.hierarchy) return {};
   return semantics::PairsThatMeet(
-      *labels.hierarchy, patches_.graph, labels.is_plane);
+      *labels.hierarchy, divisions_[labels.division].graph, labels.is_plane);
 }
 
 JoinedInstances InstanceClusterer::Join(const InstanceLabels& labels,
@@ -214,8 +217,10 @@ JoinedInstances InstanceClusterer::Join(const InstanceLabels& labels,
     }
   }
   JoinedInstances joined;
-  joined.labels =
-      LabelsOf(CutIntoClusters(std::move(hierarchy), patches_, extent_.radius));
+  EvidenceClusters clusters = CutIntoClusters(
+      std::move(hierarchy), divisions_[labels.division], extent_.radius);
+  clusters.division = labels.division;
+  joined.labels = LabelsOf(std::move(clusters));
   // How many Gaussians of each label an instance has.
   std::vector<std::map<int32_t, size_t>> counts(joined.labels.num_instances);
   for (size_t g = 0; g < labels.labels.size(); ++g) {

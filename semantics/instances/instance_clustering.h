@@ -65,6 +65,7 @@ struct InstanceLabels {
 
   // What the instances were cut from, with evidence.
   std::optional<Hierarchy> hierarchy;
+  size_t division = 0;  // See EvidenceClusters.
 
   double scene_radius = 0;  // See SceneExtent.
 
@@ -135,7 +136,7 @@ class InstanceClusterer {
   InstanceClusteringOptions options_;
   // For kEvidence.
   LearntModels models_;
-  ScenePatches patches_;
+  std::vector<ScenePatches> divisions_;
 };
 
 }  // namespace freegs::semantics

@@ -4,13 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
-
-#include "semantics/patches/local_contrast.h"
-#include "semantics/patches/local_relief.h"
 
 namespace freegs::semantics {
 namespace {
@@ -20,15 +16,6 @@ namespace {
 constexpr float kMinPixelWeight = 0.5f;
 // Depths that differ by more than this many patch sizes are apart.
 constexpr double kDepthJump = 1;
-// Depth of the windows on both sides of a boundary, in pixels of images of
-// which the longer side has kReferenceSide.
-constexpr int kReferenceSide = 400;
-constexpr double kNearReach = 3;
-constexpr double kFarReach = 8;
-constexpr double kReliefReach = 4;
-// The inverse depth, per unit of the model frame, that cameras are unsure of
-// when they all stand in one place: they see no depth at all.
-constexpr double kNothingKnown = 1e9;
 // The context of a patch reaches over so many neighbours.
 constexpr int kContextSteps = 2;
 // Normals and positions at creases are means over patches so many steps around,
@@ -37,7 +24,6 @@ constexpr int kCreaseSteps = 3;
 constexpr double kAlikeColor = 0.06;
 // Contacts of fewer pixels in all views together are chance.
 constexpr double kMinCrossings = 2;
-constexpr int64_t kPixelRowGrain = 4;
 
 // Ranges of L*a*b* / 100 that the histograms cover.
 constexpr double kLowest[3] = {0, -0.6, -0.6};
@@ -96,70 +82,28 @@ class PatchVote {
   std::vector<int32_t> found_;  // Patches with a share, front to back.
 };
 
-int Reach(double at_reference, const ImageF& image) {
-  const int side = std::max(image.width(), image.height());
-  return std::max(
-      2, static_cast<int>(std::lround(at_reference * side / kReferenceSide)));
-}
-
 Eigen::Vector3d RowOf3(std::span<const float> rows, size_t i) {
   return {rows[i * 3], rows[i * 3 + 1], rows[i * 3 + 2]};
-}
-
-// The mean inverse depth that each pixel shows, per unit of the model frame, 0
-// where the Gaussians have less than half of its weight.
-ImageF InverseDepths(const splat::WeightMatrix& weights,
-                     const splat::GaussianModel& model,
-                     const View& view,
-                     ThreadPool& pool) {
-  std::vector<float> of_gaussian(model.size());
-  for (size_t g = 0; g < model.size(); ++g) {
-    const double z = (view.cam_from_world * RowOf3(model.means, g)).z();
-    of_gaussian[g] = z > 0 ? static_cast<float>(1 / z) : 0.0f;
-  }
-  const int width = weights.width;
-  ImageF image(width, weights.height, 1);
-  pool.ParallelFor(
-      0, weights.height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
-        for (int64_t p = first * width; p < last * width; ++p) {
-          float sum = 0;
-          float total = 0;
-          for (uint32_t e = weights.pixel_begin[p];
-               e < weights.pixel_begin[p + 1];
-               ++e) {
-            sum += weights.weights[e] * of_gaussian[weights.gaussians[e]];
-            total += weights.weights[e];
-          }
-          image.data()[p] = total >= kMinPixelWeight ? sum / total : 0.0f;
-        }
-      });
-  return image;
 }
 
 }  // namespace
 
 Image<int32_t> PatchOfPixels(const splat::WeightMatrix& weights,
-                             std::span<const int32_t> patch_of_gaussian,
-                             ThreadPool& pool) {
-  const int width = weights.width;
-  Image<int32_t> patches(width, weights.height, 1, -1);
+                             std::span<const int32_t> patch_of_gaussian) {
+  Image<int32_t> patches(weights.width, weights.height, 1, -1);
   int32_t last_patch = -1;
   for (const int32_t patch : patch_of_gaussian) {
     last_patch = std::max(last_patch, patch);
   }
-  const auto num_patches = static_cast<size_t>(last_patch + 1);
-  pool.ParallelFor(
-      0, weights.height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
-        PatchVote vote(num_patches);
-        for (int64_t p = first * width; p < last * width; ++p) {
-          const uint32_t begin = weights.pixel_begin[p];
-          const size_t count = weights.pixel_begin[p + 1] - begin;
-          patches.data()[p] = vote.PatchShown(
-              std::span(weights.gaussians).subspan(begin, count),
-              std::span(weights.weights).subspan(begin, count),
-              patch_of_gaussian);
-        }
-      });
+  PatchVote vote(static_cast<size_t>(last_patch + 1));
+  for (size_t p = 0; p < patches.size(); ++p) {
+    const uint32_t begin = weights.pixel_begin[p];
+    const size_t count = weights.pixel_begin[p + 1] - begin;
+    patches.data()[p] =
+        vote.PatchShown(std::span(weights.gaussians).subspan(begin, count),
+                        std::span(weights.weights).subspan(begin, count),
+                        patch_of_gaussian);
+  }
   return patches;
 }
 
@@ -167,15 +111,12 @@ PatchGraphBuilder::PatchGraphBuilder(const splat::GaussianModel& model,
                                      std::vector<int32_t> patch_of_gaussian,
                                      std::vector<float> normals,
                                      std::vector<float> size_of_patch,
-                                     std::vector<float> depth_scale,
-                                     double baseline)
+                                     std::vector<float> depth_scale)
     : model_(model),
       patch_of_gaussian_(std::move(patch_of_gaussian)),
       normals_(std::move(normals)),
       size_of_patch_(std::move(size_of_patch)),
       depth_scale_(std::move(depth_scale)),
-      baseline_(baseline),
-      seen_(model.size(), 0.0),
       towards_camera_(size_of_patch_.size(), Eigen::Vector3d::Zero()),
       middle_(size_of_patch_.size(), Eigen::Vector3d::Zero()),
       normal_(size_of_patch_.size(), Eigen::Vector3d::Zero()) {
@@ -237,13 +178,11 @@ class PatchGraphBuilder::PatchDepths {
 struct PatchGraphBuilder::Boundaries {
   const Image<int32_t>& labels;  // The patch that each pixel shows.
   const PatchDepths& depths;
-  const LocalContrast& contrast;
-  const LocalRelief& relief;
-  int near, far, relief_reach;  // In pixels.
+  const ViewCues& cues;
 
-  // From the pixels of row y to those on the right and below.
-  std::vector<Crossing> OfRow(int y) const {
-    std::vector<Crossing> crossings;
+  // Appends those from the pixels of row y to the pixels on the right and
+  // below.
+  void OfRow(int y, std::vector<Crossing>* crossings) const {
     for (int x = 0; x < labels.width(); ++x) {
       // Every second pixel, as on a chessboard, tells enough.
       if ((x + y) % 2 != 0) continue;
@@ -259,84 +198,46 @@ struct PatchGraphBuilder::Boundaries {
         std::tie(crossing.a, crossing.b) = std::minmax(here, next);
         const double step =
             depths.Step(here, next, 0.5 * (x + nx) + 0.5, 0.5 * (y + ny) + 0.5);
-        crossing.stats.relief = relief.Step(x, y, horizontal, relief_reach);
+        crossing.stats.relief =
+            cues.relief.Step(x, y, horizontal, cues.relief_reach);
         if (step > kDepthJump) {
           crossing.stats.hidden = 1;
         } else {
-          const auto fine = contrast.Across(x, y, horizontal, near);
-          const auto coarse = contrast.Across(x, y, horizontal, far);
+          const auto fine =
+              cues.contrast.Across(x, y, horizontal, cues.near_reach);
+          const auto coarse =
+              cues.contrast.Across(x, y, horizontal, cues.far_reach);
           crossing.stats.pixels = 1;
           crossing.stats.contrast_near = fine.contrast;
           crossing.stats.contrast_far = coarse.contrast;
           crossing.stats.difference = fine.difference;
           crossing.stats.depth_step = step;
         }
-        crossings.push_back(crossing);
+        crossings->push_back(crossing);
       }
     }
-    return crossings;
   }
 };
 
-Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
-                                  const View& view,
-                                  const ImageF& photo,
-                                  ThreadPool& pool) {
-  const int width = weights.width;
-  const int height = weights.height;
-  if (photo.width() != width || photo.height() != height ||
-      view.camera.width != width || view.camera.height != height ||
-      weights.num_gaussians != model_.size()) {
-    return InvalidArgumentError(
-        "weights, camera and photograph of a view differ in size");
+void PatchGraphBuilder::AddView(const ViewCues& cues) {
+  const Image<int32_t> labels = PatchOfPixels(cues.weights, patch_of_gaussian_);
+  AddPixels(labels, cues.lab);
+  const PatchDepths depths(*this, cues.view);
+  const Boundaries boundaries{.labels = labels, .depths = depths, .cues = cues};
+  std::vector<Crossing> crossings;
+  for (int y = 0; y < labels.height(); ++y) {
+    crossings.clear();
+    boundaries.OfRow(y, &crossings);
+    AddCrossings(crossings);
   }
-  const Image<int32_t> labels =
-      PatchOfPixels(weights, patch_of_gaussian_, pool);
-  // The two tasks run at the same time. Neither reads what the other writes,
-  // and each adds in one order, so the result does not depend on the threads.
-  std::optional<LocalContrast> contrast;
-  pool.ParallelFor(0, 2, 1, [&](int64_t first, int64_t last, int) {
-    for (int64_t task = first; task < last; ++task) {
-      if (task == 0) {
-        for (size_t e = 0; e < weights.gaussians.size(); ++e) {
-          seen_[weights.gaussians[e]] += weights.weights[e];
-        }
-      } else {
-        const ImageF lab = ToLab(photo);
-        AddPixels(labels, lab);
-        contrast.emplace(lab);
-      }
-    }
-  });
-  const PatchDepths depths(*this, view);
-  // What one pixel of parallax amounts to.
-  const double unsure =
-      baseline_ > 0 ? 1 / (view.camera.fx * baseline_) : kNothingKnown;
-  const LocalRelief relief(InverseDepths(weights, model_, view, pool), unsure);
-  const Boundaries boundaries{.labels = labels,
-                              .depths = depths,
-                              .contrast = *contrast,
-                              .relief = relief,
-                              .near = Reach(kNearReach, photo),
-                              .far = Reach(kFarReach, photo),
-                              .relief_reach = Reach(kReliefReach, photo)};
-  std::vector<std::vector<Crossing>> crossings(height);
-  pool.ParallelFor(
-      0, height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
-        for (int y = static_cast<int>(first); y < last; ++y) {
-          crossings[y] = boundaries.OfRow(y);
-        }
-      });
-  for (const std::vector<Crossing>& row : crossings) AddCrossings(row);
 
-  const Eigen::Vector3d camera = CameraCentre(view.cam_from_world);
+  const Eigen::Vector3d camera = CameraCentre(cues.view.cam_from_world);
   for (size_t p = 0; p < labels.size(); ++p) {
     const int32_t patch = labels.data()[p];
     if (patch < 0) continue;
     towards_camera_[patch] += (camera - middle_[patch]).normalized();
   }
   graph_.total_pixels += static_cast<double>(labels.size());
-  return Status();
 }
 
 void PatchGraphBuilder::AddPixels(const Image<int32_t>& labels,
@@ -372,15 +273,15 @@ void PatchGraphBuilder::AddCrossings(const std::vector<Crossing>& crossings) {
   }
 }
 
-void PatchGraphBuilder::AddGaussians() {
+void PatchGraphBuilder::AddGaussians(std::span<const double> seen) {
   for (uint32_t g = 0; g < patch_of_gaussian_.size(); ++g) {
     const int32_t patch = patch_of_gaussian_[g];
     if (patch < 0) continue;
     RegionStats& region = graph_.regions[patch];
     const Eigen::Vector3d x = RowOf3(model_.means, g);
-    region.weight += seen_[g];
-    region.position += seen_[g] * x;
-    region.position2 += seen_[g] * x * x.transpose();
+    region.weight += seen[g];
+    region.position += seen[g] * x;
+    region.position2 += seen[g] * x * x.transpose();
   }
   for (size_t p = 0; p < normal_.size(); ++p) {
     if (normal_[p].dot(towards_camera_[p]) < 0) normal_[p] = -normal_[p];
@@ -457,8 +358,8 @@ void PatchGraphBuilder::AddContext() {
   }
 }
 
-RegionGraph PatchGraphBuilder::Finish() {
-  AddGaussians();
+RegionGraph PatchGraphBuilder::Finish(std::span<const double> seen) {
+  AddGaussians(seen);
   std::erase_if(graph_.contacts, [](const Contact& contact) {
     return contact.stats.pixels < kMinCrossings;
   });

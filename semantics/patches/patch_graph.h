@@ -4,23 +4,23 @@
 //
 //   PatchGraphBuilder builder(
 //       model, patch_of_gaussian, normals, size_of_patch, depth_scale);
-//   FREEGS_RETURN_IF_ERROR(builder.AddView(weights, view, photo, pool));
-//   const RegionGraph graph = builder.Finish();
+//   builder.AddView(cues);
+//   const RegionGraph graph = builder.Finish(seen);
 
 #ifndef FREEGS_SEMANTICS_PATCHES_PATCH_GRAPH_H_
 #define FREEGS_SEMANTICS_PATCHES_PATCH_GRAPH_H_
 
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "core/image.h"
-#include "core/parallel.h"
 #include "core/pinhole.h"
-#include "core/status.h"
 #include "semantics/patches/region_graph.h"
+#include "semantics/patches/view_cues.h"
 #include "splat/scene/gaussian_model.h"
 #include "splat/weights/blending_weights.h"
 
@@ -29,37 +29,27 @@ namespace freegs::semantics {
 // The patch that each pixel of a view shows most of, -1 where all patches
 // together have less than half of its weight.
 Image<int32_t> PatchOfPixels(const splat::WeightMatrix& weights,
-                             std::span<const int32_t> patch_of_gaussian,
-                             ThreadPool& pool);
+                             std::span<const int32_t> patch_of_gaussian);
 
 class PatchGraphBuilder {
  public:
   // patch_of_gaussian: for each Gaussian of the model, -1 for none.
   // normals: of each Gaussian, N x 3, of any sign. size_of_patch: the usual
   // extent of each patch. depth_scale: depths that differ by less than this
-  // say nothing. baseline: how far apart the cameras stand. These lengths are
-  // in units of the model frame (splat/scene/model_frame.h). The model must
-  // outlive the builder.
+  // say nothing. These lengths are in units of the model frame
+  // (splat/scene/model_frame.h). The model must outlive the builder.
   PatchGraphBuilder(const splat::GaussianModel& model,
                     std::vector<int32_t> patch_of_gaussian,
                     std::vector<float> normals,
                     std::vector<float> size_of_patch,
-                    std::vector<float> depth_scale,
-                    double baseline);
+                    std::vector<float> depth_scale);
 
-  // photo: RGB in [0, 1]. Weights, photo and the view's camera have the same
-  // size; kInvalidArgument if they do not. The result does not depend on the
-  // number of threads.
-  Status AddView(const splat::WeightMatrix& weights,
-                 const View& view,
-                 const ImageF& photo,
-                 ThreadPool& pool);
+  // The cues are of this model.
+  void AddView(const ViewCues& cues);
 
-  // To be called once, after all views. No region has semantics.
-  RegionGraph Finish();
-
-  // For each Gaussian: how many pixels of the views so far it covers.
-  const std::vector<double>& seen() const { return seen_; }
+  // To be called once, after all views. seen: for each Gaussian, how many
+  // pixels of all views it covers. No region has semantics.
+  RegionGraph Finish(std::span<const double> seen);
 
  private:
   // Planes of the patches in the camera frame of a view.
@@ -78,15 +68,13 @@ class PatchGraphBuilder {
   ContactStats& ContactOf(int32_t a, int32_t b);
   void AddContext();
   void AddCreases();
-  void AddGaussians();
+  void AddGaussians(std::span<const double> seen);
 
   const splat::GaussianModel& model_;
   std::vector<int32_t> patch_of_gaussian_;
   std::vector<float> normals_;
   std::vector<float> size_of_patch_;
   std::vector<float> depth_scale_;
-  double baseline_;
-  std::vector<double> seen_;  // Sum of the weights of each Gaussian.
   std::vector<Eigen::Vector3d> towards_camera_;  // One for each patch.
   std::vector<Eigen::Vector3d> middle_;          // Mean position of each patch.
   std::vector<Eigen::Vector3d> normal_;          // Mean normal, of any sign.

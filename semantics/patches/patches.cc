@@ -26,6 +26,9 @@ constexpr double kNormalWeight = 1;
 // Cameras nearer to a point than this share of those that see it are passed
 // over when its size in pixels is told.
 constexpr double kNearestShare = 0.25;
+// By which the grids of the next division are shifted along the first axis, in
+// cells. Along the second and third axis it is twice and three times as much.
+constexpr double kShift = 0.37;
 
 // Mean position, normal, colour of a patch. Signs of normals are those of the
 // patch's first point.
@@ -95,6 +98,7 @@ std::vector<Mean> MeansOf(const SurfacePoints& points,
 // Cells of grids whose width is a power of two near the points' sizes.
 std::vector<int32_t> GridCells(const SurfacePoints& points,
                                std::span<const float> sizes,
+                               int division,
                                size_t* count) {
   std::map<std::array<int64_t, 4>, int32_t> cells;
   std::vector<int32_t> cell_of_point(sizes.size());
@@ -103,8 +107,10 @@ std::vector<int32_t> GridCells(const SurfacePoints& points,
     std::array<int64_t, 4> key;
     key[3] = level;
     for (size_t k = 0; k < 3; ++k) {
+      const double shift = kShift * division * static_cast<double>(k + 1);
       key[k] = static_cast<int64_t>(std::clamp(
-          std::floor(std::ldexp(double{points.positions[i * 3 + k]}, -level)),
+          std::floor(std::ldexp(double{points.positions[i * 3 + k]}, -level) +
+                     shift),
           -1e15,
           1e15));
     }
@@ -163,6 +169,7 @@ std::vector<float> LengthOfPixels(std::span<const float> positions,
 
 StatusOr<Patches> MakePatches(const SurfacePoints& points,
                               std::span<const float> sizes,
+                              int division,
                               ThreadPool& pool) {
   for (const float size : sizes) {
     if (!(size > 0) || !std::isfinite(size)) {
@@ -171,7 +178,7 @@ StatusOr<Patches> MakePatches(const SurfacePoints& points,
   }
   Patches patches;
   size_t num_patches = 0;
-  patches.patch_of_point = GridCells(points, sizes, &num_patches);
+  patches.patch_of_point = GridCells(points, sizes, division, &num_patches);
   for (int iteration = 0; iteration < kIterations && num_patches > 0;
        ++iteration) {
     const std::vector<Mean> means =

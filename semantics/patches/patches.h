@@ -41,11 +41,14 @@ struct Patches {
 // Begins with the cells of grids, finer ones where `sizes`, the wanted extent
 // of a patch at each point, are smaller. Then points move to the patch that is
 // nearest in position, colour and normal, and patches to the mean of their
-// points, in turn (k-means, as in Papon et al. 2013). The result does not
-// depend on the number of threads. kInvalidArgument for positions that
-// KdTree::Build refuses and for sizes that are not positive.
+// points, in turn (k-means, as in Papon et al. 2013). Where the patches are is
+// chance: each `division`, from 0 on, has grids of its own, which are shifted
+// by other parts of a cell. The result does not depend on the number of
+// threads. kInvalidArgument for positions that KdTree::Build refuses and for
+// sizes that are not positive.
 StatusOr<Patches> MakePatches(const SurfacePoints& points,
                               std::span<const float> sizes,
+                              int division,
                               ThreadPool& pool);
 
 }  // namespace freegs::semantics

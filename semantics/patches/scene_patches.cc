@@ -16,6 +16,7 @@
 #include "semantics/geometry/view_loop.h"
 #include "semantics/patches/patch_graph.h"
 #include "semantics/patches/patches.h"
+#include "semantics/patches/view_cues.h"
 #include "splat/weights/blending_weights.h"
 
 namespace freegs::semantics {
@@ -102,16 +103,52 @@ StatusOr<std::vector<ImageF>> ReadPhotos(
   return photos;
 }
 
+// The patches of a division, and what looks at them.
+struct Division {
+  std::vector<int32_t> patch_of_gaussian;
+  PatchGraphBuilder builder;
+};
+
+StatusOr<Division> MakeDivision(const PatchScene& scene,
+                                const SurfacePoints& points,
+                                const std::vector<uint32_t>& rows,
+                                const std::vector<float>& sizes,
+                                std::span<const View> views,
+                                int number,
+                                ThreadPool& pool) {
+  const size_t num_gaussians = scene.model.size();
+  FREEGS_ASSIGN_OR_RETURN(const Patches patches,
+                          MakePatches(points, sizes, number, pool));
+  std::vector<int32_t> patch_of_gaussian(num_gaussians, -1);
+  std::vector<float> size_of_patch(patches.count, 0.0f);
+  std::vector<float> normals(num_gaussians * 3, 0.0f);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const int32_t patch = patches.patch_of_point[i];
+    patch_of_gaussian[rows[i]] = patch;
+    size_of_patch[patch] = std::max(size_of_patch[patch], sizes[i]);
+    std::copy_n(
+        points.normals.data() + i * 3, 3, normals.data() + size_t{rows[i]} * 3);
+  }
+  std::vector<float> depth_scale =
+      DepthScale(points.positions, patches, size_of_patch, views);
+  PatchGraphBuilder builder(scene.model,
+                            patch_of_gaussian,
+                            std::move(normals),
+                            std::move(size_of_patch),
+                            std::move(depth_scale));
+  return Division{.patch_of_gaussian = std::move(patch_of_gaussian),
+                  .builder = std::move(builder)};
+}
+
 }  // namespace
 
-StatusOr<ScenePatches> BuildScenePatches(
+StatusOr<std::vector<ScenePatches>> BuildScenePatches(
     const PatchScene& scene,
     ThreadPool& pool,
     const CancellationToken* cancellation) {
   const splat::GaussianModel& model = scene.model;
   Matter matter =
       SelectMatter(model, kMinOpacity, kMaxScale * scene.scene_radius);
-  const std::vector<uint32_t>& rows = matter.rows;
   SurfacePoints points{.positions = std::move(matter.positions),
                        .normals = {},
                        .colors = std::move(matter.colors)};
@@ -129,31 +166,24 @@ StatusOr<ScenePatches> BuildScenePatches(
   }
   const std::vector<float> sizes =
       LengthOfPixels(points.positions, views, kPatchPixels, pool);
-  ScenePatches result;
-  result.patch_of_gaussian.assign(model.size(), -1);
-  result.seen.assign(model.size(), 0.0);
-  if (sizes.empty() || !(sizes[0] > 0)) return result;
-  FREEGS_ASSIGN_OR_RETURN(const Patches patches,
-                          MakePatches(points, sizes, pool));
-  std::vector<float> size_of_patch(patches.count, 0.0f);
-  std::vector<float> normals(model.size() * 3, 0.0f);
-  for (size_t i = 0; i < rows.size(); ++i) {
-    const int32_t patch = patches.patch_of_point[i];
-    result.patch_of_gaussian[rows[i]] = patch;
-    size_of_patch[patch] = std::max(size_of_patch[patch], sizes[i]);
-    std::copy_n(
-        points.normals.data() + i * 3, 3, normals.data() + size_t{rows[i]} * 3);
+  std::vector<double> seen(model.size(), 0.0);
+  if (sizes.empty() || !(sizes[0] > 0)) {
+    return std::vector<ScenePatches>(
+        kNumDivisions,
+        {.patch_of_gaussian = std::vector<int32_t>(model.size(), -1),
+         .seen = seen,
+         .graph = {}});
   }
-  std::vector<float> depth_scale =
-      DepthScale(points.positions, patches, size_of_patch, views);
+  std::vector<Division> divisions;
+  for (int number = 0; number < kNumDivisions; ++number) {
+    FREEGS_ASSIGN_OR_RETURN(
+        Division division,
+        MakeDivision(scene, points, matter.rows, sizes, views, number, pool));
+    divisions.push_back(std::move(division));
+  }
   FREEGS_ASSIGN_OR_RETURN(const std::vector<ImageF> photos,
                           ReadPhotos(scene, chosen, views, pool, cancellation));
-  PatchGraphBuilder builder(model,
-                            result.patch_of_gaussian,
-                            std::move(normals),
-                            std::move(size_of_patch),
-                            std::move(depth_scale),
-                            Baseline(views));
+  const double baseline = Baseline(views);
   for (size_t v = 0; v < chosen.size(); ++v) {
     if (IsCancelled(cancellation)) {
       return InterruptedError("comparing patches was interrupted");
@@ -165,11 +195,27 @@ StatusOr<ScenePatches> BuildScenePatches(
                                       views[v].cam_from_world,
                                       scene.render,
                                       pool));
-    FREEGS_RETURN_IF_ERROR(
-        builder.AddView(weights.matrix(), views[v], photos[v], pool));
+    const splat::WeightMatrix matrix = weights.matrix();
+    FREEGS_ASSIGN_OR_RETURN(
+        const ViewCues cues,
+        FindViewCues(model, matrix, views[v], photos[v], baseline, pool));
+    for (size_t e = 0; e < matrix.gaussians.size(); ++e) {
+      seen[matrix.gaussians[e]] += matrix.weights[e];
+    }
+    pool.ParallelFor(
+        0, kNumDivisions, 1, [&](int64_t first, int64_t last, int) {
+          for (int64_t d = first; d < last; ++d) {
+            divisions[d].builder.AddView(cues);
+          }
+        });
   }
-  result.graph = builder.Finish();
-  result.seen = builder.seen();
+  std::vector<ScenePatches> result;
+  for (Division& division : divisions) {
+    result.push_back(
+        {.patch_of_gaussian = std::move(division.patch_of_gaussian),
+         .seen = seen,
+         .graph = division.builder.Finish(seen)});
+  }
   return result;
 }
 

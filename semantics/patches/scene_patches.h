@@ -26,7 +26,11 @@ inline constexpr int kPatchImageSide = 400;
 // At most so many of them are looked at, evenly chosen. Nothing depends on the
 // others, so that few views and all of them can give the same patches.
 inline constexpr size_t kMaxPatchViews = 24;
+// Where the patches are is chance, and with it which regions grow from them. So
+// the surfaces are divided in several ways (docs/instances.md).
+inline constexpr int kNumDivisions = 4;
 
+// One division of the surfaces into patches.
 struct ScenePatches {
   std::vector<int32_t> patch_of_gaussian;  // -1 for none.
   // For each Gaussian: how many pixels of the photographs it covers.
@@ -44,12 +48,13 @@ struct PatchScene {
   double scene_radius = 1;  // SceneExtent::radius.
 };
 
-// Patches know no semantics; SetSemantics adds them. The same input gives the
-// same result for any number of threads. kInterrupted when cancelled
-// (`cancellation` may be null); errors of photo_of.
-StatusOr<ScenePatches> BuildScenePatches(const PatchScene& scene,
-                                         ThreadPool& pool,
-                                         const CancellationToken* cancellation);
+// Returns kNumDivisions divisions. Patches know no semantics; SetSemantics adds
+// them. The same input gives the same result for any number of threads.
+// kInterrupted when cancelled (`cancellation` may be null); errors of photo_of.
+StatusOr<std::vector<ScenePatches>> BuildScenePatches(
+    const PatchScene& scene,
+    ThreadPool& pool,
+    const CancellationToken* cancellation);
 
 // Gives each region the sum of the unit vectors of its Gaussians, weighted by
 // the pixels that they cover, in place of what it had. semantics: `dim` numbers

@@ -53,7 +53,7 @@ LeafOrder OrderLeaves(const RegionTree& tree) {
   return leaves;
 }
 
-// The regions of a tree that are no crumbs, in the order of the tree.
+// The large regions of a tree, in its order.
 struct LargeRegions {
   std::vector<int32_t> region;
   std::vector<int32_t> parent;   // A place in `region`; -1 for a root.
@@ -61,17 +61,16 @@ struct LargeRegions {
 };
 
 LargeRegions FindLargeRegions(const RegionTree& tree,
-                              const std::vector<double>& sizes,
-                              double min_size) {
+                              std::span<const uint8_t> is_large) {
   LargeRegions large;
-  std::vector<int32_t> place(sizes.size(), -1);
-  for (size_t r = 0; r < sizes.size(); ++r) {
-    if (sizes[r] < min_size) continue;
+  std::vector<int32_t> place(is_large.size(), -1);
+  for (size_t r = 0; r < is_large.size(); ++r) {
+    if (is_large[r] == 0) continue;
     place[r] = static_cast<int32_t>(large.region.size());
     large.region.push_back(static_cast<int32_t>(r));
   }
   large.parent.assign(large.region.size(), -1);
-  // From the roots down, so that crumbs find what the region above them found.
+  // From the roots down, so that small regions find what is above them.
   for (size_t k = tree.merges.size(); k-- > 0;) {
     const int32_t own = place[tree.num_leaves + k];
     for (const int32_t part : {tree.merges[k].a, tree.merges[k].b}) {
@@ -99,24 +98,29 @@ EvidenceModel VariantOf(const EvidenceModel& model, int variant) {
   return changed;
 }
 
-std::vector<double> QualityInVariant(const RegionTree& tree,
-                                     const RegionTree& other,
-                                     std::span<const double> other_quality,
-                                     std::span<const double> leaf_sizes,
-                                     double min_size) {
-  const std::vector<double> sizes = tree.Sums(leaf_sizes);
-  const std::vector<double> other_sizes = other.Sums(leaf_sizes);
+std::vector<double> QualityInOther(const RegionTree& tree,
+                                   std::span<const uint8_t> is_large,
+                                   const RegionTree& other,
+                                   std::span<const uint8_t> other_is_large,
+                                   std::span<const double> other_quality,
+                                   std::span<const SharedPixels> shared) {
+  const LeafPixels pixels =
+      PixelsOfLeaves(shared, tree.num_leaves, other.num_leaves);
+  const std::vector<double> sizes = tree.Sums(pixels.of_a);
+  const std::vector<double> other_sizes = other.Sums(pixels.of_b);
   const LeafOrder leaves = OrderLeaves(tree);
-  const LargeRegions large = FindLargeRegions(other, other_sizes, min_size);
+  const LargeRegions large = FindLargeRegions(other, other_is_large);
   std::vector<double> result(sizes.size(), 0.0);
   std::vector<double> common(large.region.size());
   for (size_t r = 0; r < sizes.size(); ++r) {
-    if (sizes[r] < min_size) continue;
+    if (is_large[r] == 0) continue;
     std::fill(common.begin(), common.end(), 0.0);
     for (int32_t i = 0; i < leaves.count[r]; ++i) {
       const int32_t leaf = leaves.order[leaves.first[r] + i];
-      if (large.of_leaf[leaf] >= 0) {
-        common[large.of_leaf[leaf]] += leaf_sizes[leaf];
+      for (size_t k = pixels.first_of_a[leaf]; k < pixels.first_of_a[leaf + 1];
+           ++k) {
+        const int32_t place = large.of_leaf[shared[k].b];
+        if (place >= 0) common[place] += shared[k].pixels;
       }
     }
     double best_iou = 0;

@@ -7,11 +7,13 @@
 #ifndef FREEGS_SEMANTICS_PATCHES_TREE_VARIANTS_H_
 #define FREEGS_SEMANTICS_PATCHES_TREE_VARIANTS_H_
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "semantics/patches/evidence_model.h"
 #include "semantics/patches/region_merging.h"
+#include "semantics/patches/shared_pixels.h"
 
 namespace freegs::semantics {
 
@@ -24,15 +26,18 @@ inline constexpr int kNumTreeVariants = 8;
 EvidenceModel VariantOf(const EvidenceModel& model, int variant);
 
 // Returns for each region of `tree` the quality of the region of `other` that
-// is most like it, times their intersection over union. Both trees have the
-// same leaves; leaf_sizes are what the intersections are measured in, such as
-// pixels. other_quality has a number for each region of `other`. Regions of
-// less than min_size get 0, and are not looked at in `other`.
-std::vector<double> QualityInVariant(const RegionTree& tree,
-                                     const RegionTree& other,
-                                     std::span<const double> other_quality,
-                                     std::span<const double> leaf_sizes,
-                                     double min_size);
+// is most like it, times their intersection over union in `shared` pixels. The
+// trees may be of two divisions into patches: shared[i].a is a leaf of `tree`,
+// shared[i].b one of `other`. other_quality has a number for each region of
+// `other`. Regions that are not large (one flag for each, such as that a region
+// is no crumb) get 0, and are not looked at in `other`; a region with a large
+// part is large.
+std::vector<double> QualityInOther(const RegionTree& tree,
+                                   std::span<const uint8_t> is_large,
+                                   const RegionTree& other,
+                                   std::span<const uint8_t> other_is_large,
+                                   std::span<const double> other_quality,
+                                   std::span<const SharedPixels> shared);
 
 }  // namespace freegs::semantics
 

@@ -89,19 +89,19 @@ TEST(CalibrationTest, DifferencesOfTheModelAreCalibrated) {
 // Segments 1 = {0, 1} and 2 = {2}; patch 3 is too small to count.
 TEST(CalibrationTest, MergesAreJudgedByTheTruth) {
   LearningScene scene;
-  scene.graph.regions.resize(4);
-  scene.graph.total_pixels = 3000;
+  scene.patches.graph.regions.resize(4);
+  scene.patches.graph.total_pixels = 3000;
   scene.pixels = {1000, 1000, 999, 1};
   scene.votes = {{{1, 1000.0}}, {{1, 900.0}, {2, 100.0}}, {{2, 999.0}}, {}};
   for (size_t i = 0; i < 4; ++i) {
-    scene.graph.regions[i].pixels = scene.pixels[i];
+    scene.patches.graph.regions[i].pixels = scene.pixels[i];
   }
   const float steps[] = {0.1f, 0.8f, 0.4f};
   for (int i = 0; i < 3; ++i) {
     semantics::ContactStats contact;
     contact.pixels = 10;
     contact.contrast_near = 10 * steps[i];
-    scene.graph.contacts.push_back({i, i + 1, contact});
+    scene.patches.graph.contacts.push_back({i, i + 1, contact});
   }
   semantics::EvidenceModel model;
   model.deviation.fill(1);

@@ -75,17 +75,17 @@ TEST(EvidenceLearnerTest, NamesOfNoEvidenceAreRefused) {
 // Three patches in a row, of which the first `known` are of one thing each.
 LearningScene RowOfPatches(int known) {
   LearningScene scene;
-  scene.graph.regions.resize(3);
-  scene.graph.total_pixels = 3000;
+  scene.patches.graph.regions.resize(3);
+  scene.patches.graph.total_pixels = 3000;
   scene.pixels = {1000, 1000, 1000};
   scene.votes.resize(3);
   for (int i = 0; i < known; ++i) scene.votes[i][i / 2 + 1] = 1000;
-  for (int i = 0; i < 3; ++i) scene.graph.regions[i].pixels = 1000;
+  for (int i = 0; i < 3; ++i) scene.patches.graph.regions[i].pixels = 1000;
   for (int i = 0; i < 2; ++i) {
     semantics::ContactStats contact;
     contact.pixels = 10;
     contact.contrast_near = i;
-    scene.graph.contacts.push_back({i, i + 1, contact});
+    scene.patches.graph.contacts.push_back({i, i + 1, contact});
   }
   return scene;
 }

@@ -30,11 +30,11 @@ LearningScene Row(uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> jitter(-0.15, 0.15);
   LearningScene scene;
-  scene.graph.total_pixels = 2 * kObjects * kPixels;
+  scene.patches.graph.total_pixels = 2 * kObjects * kPixels;
   for (int32_t i = 0; i < 2 * kObjects; ++i) {
     semantics::RegionStats region;
     region.pixels = kPixels;
-    scene.graph.regions.push_back(region);
+    scene.patches.graph.regions.push_back(region);
     scene.pixels.push_back(kPixels);
     const int object = i / 2 + 1;
     scene.votes.push_back({{object, kPixels}});
@@ -44,7 +44,7 @@ LearningScene Row(uint32_t seed) {
     contact.pixels = 10;
     contact.contrast_near =
         contact.pixels * ((i % 2 == 1 ? 0.3 : 0.7) + jitter(random));
-    scene.graph.contacts.push_back({i - 1, i, contact});
+    scene.patches.graph.contacts.push_back({i - 1, i, contact});
   }
   return scene;
 }
@@ -94,7 +94,7 @@ TEST(QualityLearnerTest, OnlyRegionsThatAreSeenAreExamples) {
   EXPECT_EQ(LearnQuality({&scene, 1}, ContrastTells(), pool).num_regions,
             4u * kObjects - 2);
   // A crumb, which is less than a thousandth of all pixels.
-  scene.graph.regions[2].pixels = 1;
+  scene.patches.graph.regions[2].pixels = 1;
   EXPECT_EQ(LearnQuality({&scene, 1}, ContrastTells(), pool).num_regions,
             4u * kObjects - 3);
   std::fill(scene.pixels.begin(), scene.pixels.end(), 0.0);

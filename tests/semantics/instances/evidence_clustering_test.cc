@@ -49,10 +49,10 @@ class EvidenceClusteringTest : public testing::Test {
         },
         .scene_radius = 1};
     FREEGS_ASSIGN_OR_RETURN(const LearntModels models, DefaultModels());
-    FREEGS_ASSIGN_OR_RETURN(const ScenePatches patches,
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<ScenePatches> divisions,
                             BuildScenePatches(scene, pool, nullptr));
     return ClusterByEvidence(scene_.model,
-                             patches,
+                             divisions,
                              scene.scene_radius,
                              0.2,
                              models,

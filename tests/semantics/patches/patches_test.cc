@@ -34,7 +34,7 @@ TEST(PatchesTest, PatchesAreSmallAndOfOneColor) {
   const SurfacePoints points = Square(3000);
   ThreadPool pool(2);
   const auto patches =
-      MakePatches(points, std::vector<float>(3000, 0.1f), pool);
+      MakePatches(points, std::vector<float>(3000, 0.1f), 0, pool);
   ASSERT_TRUE(patches.ok());
   EXPECT_GT(patches->count, 30);
   EXPECT_LT(patches->count, 200);
@@ -53,8 +53,8 @@ TEST(PatchesTest, SamePatchesForAnyNumberOfThreads) {
   const std::vector<float> sizes(1000, 0.1f);
   ThreadPool one(1);
   ThreadPool three(3);
-  const auto a = MakePatches(points, sizes, one);
-  const auto b = MakePatches(points, sizes, three);
+  const auto a = MakePatches(points, sizes, 0, one);
+  const auto b = MakePatches(points, sizes, 0, three);
   ASSERT_TRUE(a.ok() && b.ok());
   EXPECT_EQ(a->patch_of_point, b->patch_of_point);
 }
@@ -66,9 +66,10 @@ TEST(PatchesTest, RefusesSizesThatAreNotPositive) {
                            -1.0f,
                            std::numeric_limits<float>::infinity(),
                            std::numeric_limits<float>::quiet_NaN()}) {
-    EXPECT_FALSE(MakePatches(points, std::vector<float>{1, size}, pool).ok());
+    EXPECT_FALSE(
+        MakePatches(points, std::vector<float>{1, size}, 0, pool).ok());
   }
-  EXPECT_EQ(MakePatches({}, {}, pool)->count, 0);
+  EXPECT_EQ(MakePatches({}, {}, 0, pool)->count, 0);
 }
 
 TEST(PatchesTest, LengthOfPixelsGrowsWithDistance) {
