@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -104,6 +106,58 @@ TEST_F(EvidenceClusteringTest, TheHierarchyGivesTheSameInstances) {
   ASSERT_TRUE(coarse.ok());
   EXPECT_EQ(CutHierarchy(clusters->hierarchy, -1).label_of_gaussian,
             coarse->labels);
+}
+
+// A hierarchy whose instances are its leaves, each of which has the Gaussians
+// with its number.
+Hierarchy FromParts(std::vector<int32_t> part_of_gaussian, int num_parts) {
+  Hierarchy hierarchy;
+  hierarchy.tree.num_leaves = num_parts;
+  hierarchy.quality.assign(num_parts, 0.9);
+  hierarchy.part_pixels.assign(num_parts, 100);
+  hierarchy.total_pixels = 1000;
+  hierarchy.part_of_gaussian = std::move(part_of_gaussian);
+  return hierarchy;
+}
+
+TEST_F(EvidenceClusteringTest, TakesTheDivisionThatTheOthersAgreeWith) {
+  ThreadPool pool(2);
+  const std::vector<double> seen(6, 1.0);
+  const Hierarchy odd = FromParts({0, 1, 0, 1, 0, 1}, 2);
+  const Hierarchy usual = FromParts({0, 0, 0, 1, 1, 1}, 2);
+  const Hierarchy similar = FromParts({0, 0, 0, 0, 1, 1}, 2);
+  EXPECT_EQ(DivisionMostAgreedOn(
+                std::vector<Hierarchy>{odd, similar, usual, usual}, seen, pool),
+            2u);
+  EXPECT_EQ(DivisionMostAgreedOn(std::vector<Hierarchy>{odd, odd}, seen, pool),
+            0u);
+}
+
+TEST_F(EvidenceClusteringTest, QualitiesAreTheMeanOfAllDivisions) {
+  ThreadPool pool(2);
+  const auto models = DefaultModels();
+  ASSERT_TRUE(models.ok());
+  // Two patches side by side, with no contact, in both divisions.
+  ScenePatches patches;
+  patches.patch_of_gaussian = {0, 0, 1, 1};
+  patches.seen = {10, 10, 10, 10};
+  patches.graph.regions.resize(2);
+  for (RegionStats& region : patches.graph.regions) region.pixels = 20;
+  patches.graph.total_pixels = 40;
+  const std::vector<Hierarchy> alone =
+      BuildHierarchies(std::vector<ScenePatches>{patches}, *models, pool);
+  ScenePatches shifted = patches;
+  shifted.patch_of_gaussian = {0, 1, 1, 1};
+  const std::vector<Hierarchy> both = BuildHierarchies(
+      std::vector<ScenePatches>{patches, shifted}, *models, pool);
+  ASSERT_EQ(alone.size(), 1u);
+  ASSERT_EQ(both.size(), 2u);
+  ASSERT_GT(alone[0].quality[0], 0);
+  // Half of the first patch is patch 0 of the other division; the second patch
+  // is two thirds of patch 1 there.
+  EXPECT_NEAR(both[0].quality[0], 0.75 * alone[0].quality[0], 2e-4);
+  EXPECT_NEAR(
+      both[0].quality[1], (1 + 2.0 / 3) / 2 * alone[0].quality[1], 2e-4);
 }
 
 TEST_F(EvidenceClusteringTest, RefusesAGranularityThatIsNoNumber) {

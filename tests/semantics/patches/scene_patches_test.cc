@@ -3,6 +3,8 @@
 #include "semantics/patches/scene_patches.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,9 +15,11 @@
 namespace freegs::semantics {
 namespace {
 
-StatusOr<ScenePatches> PatchesOf(const splat::GaussianModel& model,
-                                 const std::vector<View>& views) {
-  ThreadPool pool(2);
+StatusOr<std::vector<ScenePatches>> DivisionsOf(
+    const splat::GaussianModel& model,
+    const std::vector<View>& views,
+    int threads) {
+  ThreadPool pool(threads);
   const splat::RenderOptions render;
   return BuildScenePatches(
       {.model = model,
@@ -31,6 +35,64 @@ StatusOr<ScenePatches> PatchesOf(const splat::GaussianModel& model,
        .scene_radius = 1},
       pool,
       nullptr);
+}
+
+StatusOr<ScenePatches> PatchesOf(const splat::GaussianModel& model,
+                                 const std::vector<View>& views) {
+  FREEGS_ASSIGN_OR_RETURN(std::vector<ScenePatches> divisions,
+                          DivisionsOf(model, views, 2));
+  return std::move(divisions[0]);
+}
+
+std::vector<View> SomeViews(int count) {
+  std::vector<View> views;
+  for (int v = 0; v < count; ++v) {
+    views.push_back(LookAtOrigin(0.9 * v));
+    views.back().camera = views.back().camera.Resized(80, 60);
+  }
+  return views;
+}
+
+TEST(ScenePatchesTest, EachDivisionHasOtherPatches) {
+  const SyntheticGaussians scene = MakeTableScene();
+  const std::vector<View> views = SomeViews(3);
+  const auto divisions = DivisionsOf(scene.model, views, 1);
+  const auto threads = DivisionsOf(scene.model, views, 3);
+  ASSERT_TRUE(divisions.ok() && threads.ok());
+  ASSERT_EQ(divisions->size(), static_cast<size_t>(kNumDivisions));
+  for (size_t d = 0; d < divisions->size(); ++d) {
+    const ScenePatches& patches = (*divisions)[d];
+    EXPECT_EQ(patches.patch_of_gaussian, (*threads)[d].patch_of_gaussian);
+    EXPECT_EQ(patches.seen, (*threads)[d].seen);
+    EXPECT_EQ(patches.graph.PixelsOfRegions(),
+              (*threads)[d].graph.PixelsOfRegions());
+    // All are of the same Gaussians.
+    EXPECT_EQ(patches.seen, (*divisions)[0].seen);
+    for (size_t g = 0; g < patches.patch_of_gaussian.size(); ++g) {
+      EXPECT_EQ(patches.patch_of_gaussian[g] < 0,
+                (*divisions)[0].patch_of_gaussian[g] < 0);
+    }
+    for (size_t other = 0; other < d; ++other) {
+      EXPECT_NE(patches.patch_of_gaussian,
+                (*divisions)[other].patch_of_gaussian);
+    }
+  }
+}
+
+TEST(ScenePatchesTest, WithoutMatterNoDivisionHasPatches) {
+  SyntheticGaussians scene = MakeTableScene();
+  std::fill(scene.model.opacity_logits.begin(),
+            scene.model.opacity_logits.end(),
+            -9.0f);
+  const auto divisions = DivisionsOf(scene.model, SomeViews(2), 1);
+  ASSERT_TRUE(divisions.ok());
+  ASSERT_EQ(divisions->size(), static_cast<size_t>(kNumDivisions));
+  for (const ScenePatches& patches : *divisions) {
+    EXPECT_EQ(patches.patch_of_gaussian,
+              std::vector<int32_t>(scene.model.size(), -1));
+    EXPECT_EQ(patches.seen.size(), scene.model.size());
+    EXPECT_TRUE(patches.graph.regions.empty());
+  }
 }
 
 TEST(ScenePatchesTest, NothingDependsOnViewsThatAreNotChosen) {

@@ -2,9 +2,7 @@
 
 #include "semantics/patches/tree_variants.h"
 
-#include <algorithm>
 #include <cstdint>
-#include <iterator>
 #include <set>
 #include <vector>
 
@@ -37,6 +35,25 @@ TEST(TreeVariantsTest, WeightsChangeWithinTheirBounds) {
   EXPECT_EQ(first_weights.size(), static_cast<size_t>(kNumTreeVariants - 1));
 }
 
+// The same leaves in both trees.
+std::vector<SharedPixels> SameLeaves(const std::vector<double>& sizes) {
+  std::vector<SharedPixels> shared;
+  for (size_t leaf = 0; leaf < sizes.size(); ++leaf) {
+    const auto own = static_cast<int32_t>(leaf);
+    shared.push_back({own, own, sizes[leaf]});
+  }
+  return shared;
+}
+
+// The regions with at least min_size.
+std::vector<uint8_t> Large(const RegionTree& tree,
+                           const std::vector<double>& sizes,
+                           double min_size) {
+  std::vector<uint8_t> large;
+  for (const double size : tree.Sums(sizes)) large.push_back(size >= min_size);
+  return large;
+}
+
 TEST(TreeVariantsTest, TakesTheRegionThatIsMostAlike) {
   // {0, 1}, {2, 3} and all; the other tree has {1, 2} and {1, 2, 3}.
   const RegionTree tree = {.num_leaves = 4,
@@ -45,8 +62,12 @@ TEST(TreeVariantsTest, TakesTheRegionThatIsMostAlike) {
                             .merges = {{1, 2, 0}, {4, 3, 1}, {5, 0, 2}}};
   const std::vector<double> sizes = {1, 3, 2, 2};
   const std::vector<double> quality = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
-  const std::vector<double> result =
-      QualityInVariant(tree, other, quality, sizes, 2);
+  const std::vector<double> result = QualityInOther(tree,
+                                                    Large(tree, sizes, 2),
+                                                    other,
+                                                    Large(other, sizes, 2),
+                                                    quality,
+                                                    SameLeaves(sizes));
   ASSERT_EQ(result.size(), 7u);
   EXPECT_EQ(result[0], 0);  // Too small.
   EXPECT_DOUBLE_EQ(result[1], 0.2);
@@ -90,48 +111,56 @@ std::vector<std::set<int32_t>> LeavesOf(const RegionTree& tree) {
   return leaves;
 }
 
-// Trees that fall into several parts, compared with sets of leaves.
+// Trees that fall into several parts, compared with sets of pieces. The second
+// tree is of another division: its leaves are pairs of those of the first, and
+// each piece of a leaf counts for both.
 TEST(TreeVariantsTest, EqualsComparingSets) {
   constexpr int kLeaves = 30;
-  std::vector<double> sizes;
-  for (uint64_t k = 0; k < kLeaves; ++k) {
-    sizes.push_back(1 + RandomUniform(1, 2, k));
-  }
-  for (uint64_t seed = 0; seed < 5; ++seed) {
+  constexpr int kOtherLeaves = 20;
+  for (uint64_t seed = 0; seed < 6; ++seed) {
+    std::vector<SharedPixels> pieces;
+    std::vector<double> sizes(kLeaves, 0.0);
+    std::vector<double> other_sizes(kOtherLeaves, 0.0);
+    for (int32_t a = 0; a < kLeaves; ++a) {
+      for (int32_t b = 0; b < kOtherLeaves; ++b) {
+        const auto k = static_cast<uint64_t>(a * kOtherLeaves + b);
+        if (RandomUniform(1, seed, k) > 0.1) continue;
+        pieces.push_back({a, b, 1 + RandomUniform(2, seed, k)});
+        sizes[a] += pieces.back().pixels;
+        other_sizes[b] += pieces.back().pixels;
+      }
+    }
     const RegionTree tree = RandomTree(kLeaves, 27, seed);
-    const RegionTree other = RandomTree(kLeaves, 26, 100 + seed);
+    const RegionTree other = RandomTree(kOtherLeaves, 16, 100 + seed);
     const auto of_tree = LeavesOf(tree);
     const auto of_other = LeavesOf(other);
     std::vector<double> quality;
     for (size_t x = 0; x < of_other.size(); ++x) {
       quality.push_back(RandomUniform(3, seed, x));
     }
-    // Every other time regions of up to two leaves, and some of three, are
-    // crumbs.
-    const double min_size = seed % 2 == 0 ? 0 : 4;
+    // Every other time regions of a few leaves are small.
+    const double min_size = seed % 2 == 0 ? 0 : 6;
+    const std::vector<uint8_t> large = Large(tree, sizes, min_size);
+    const std::vector<uint8_t> other_large =
+        Large(other, other_sizes, min_size);
     const std::vector<double> result =
-        QualityInVariant(tree, other, quality, sizes, min_size);
-    const auto size_of = [&](const std::set<int32_t>& leaves) {
-      double sum = 0;
-      for (const int32_t leaf : leaves) sum += sizes[leaf];
-      return sum;
-    };
+        QualityInOther(tree, large, other, other_large, quality, pieces);
     for (size_t r = 0; r < of_tree.size(); ++r) {
       double best = 0;
       double expected = 0;
       for (size_t x = 0; x < of_other.size(); ++x) {
-        if (size_of(of_tree[r]) < min_size || size_of(of_other[x]) < min_size) {
-          continue;
+        if (large[r] == 0 || other_large[x] == 0) continue;
+        double both = 0;
+        double either = 0;
+        for (const SharedPixels& piece : pieces) {
+          const bool in_a = of_tree[r].contains(piece.a);
+          const bool in_b = of_other[x].contains(piece.b);
+          if (in_a && in_b) both += piece.pixels;
+          if (in_a || in_b) either += piece.pixels;
         }
-        std::set<int32_t> common;
-        std::ranges::set_intersection(
-            of_tree[r], of_other[x], std::inserter(common, common.end()));
-        const double both = size_of(common);
-        const double iou =
-            both / (size_of(of_tree[r]) + size_of(of_other[x]) - both);
-        if (iou > best + 1e-12) {
-          best = iou;
-          expected = iou * quality[x];
+        if (both > 0 && both / either > best + 1e-12) {
+          best = both / either;
+          expected = best * quality[x];
         }
       }
       EXPECT_NEAR(result[r], expected, 1e-9) << r;
