@@ -11,6 +11,7 @@
 #include <limits>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <boost/program_options.hpp>
@@ -24,6 +25,8 @@
 #include "semantics/instances/evidence_clustering.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/instances/palette.h"
+#include "semantics/patches/region_graph.h"
+#include "semantics/patches/scene_patches.h"
 
 namespace freegs::evidence {
 namespace {
@@ -81,7 +84,8 @@ void Explain(const std::vector<ObjectQuality>& objects) {
 // A scene with each of its divisions into patches.
 using Divisions = std::vector<LearningScene>;
 
-// The hierarchy that the program would take, and the division that it is of.
+// The hierarchy that the program takes at granularity 0, and the division that
+// it is of.
 struct Chosen {
   semantics::Hierarchy hierarchy;
   size_t division = 0;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "semantics/instances/label_noise.h"
+#include "semantics/patches/evidence.h"
 #include "semantics/patches/region_graph.h"
 #include "semantics/patches/region_merging.h"
 #include "semantics/patches/shared_pixels.h"
@@ -62,43 +63,23 @@ JudgedTree BuildTree(const RegionGraph& graph,
   return result;
 }
 
-// The first tree of division `own`, as good as all trees find it. trees: those
-// of each division, one division after the other.
-Hierarchy HierarchyOf(std::span<const ScenePatches> divisions,
-                      std::span<const JudgedTree> trees,
-                      size_t own) {
-  const ScenePatches& patches = divisions[own];
-  const JudgedTree& first = trees[own * kNumTreeVariants];
-  Hierarchy hierarchy;
-  hierarchy.tree = first.tree;
-  hierarchy.total_pixels = patches.graph.total_pixels;
-  hierarchy.part_pixels = patches.graph.PixelsOfRegions();
-  hierarchy.part_of_gaussian = patches.patch_of_gaussian;
-  hierarchy.quality.assign(first.quality.size(), 0.0);
-  for (size_t d = 0; d < divisions.size(); ++d) {
-    const std::vector<SharedPixels> shared =
-        FindSharedPixels(patches.patch_of_gaussian,
-                         divisions[d].patch_of_gaussian,
-                         patches.seen);
-    for (const JudgedTree& other :
-         trees.subspan(d * kNumTreeVariants, kNumTreeVariants)) {
-      const std::vector<double> quality = QualityInOther(first.tree,
-                                                         first.is_large,
-                                                         other.tree,
-                                                         other.is_large,
-                                                         other.quality,
-                                                         shared);
-      for (size_t r = 0; r < quality.size(); ++r) {
-        hierarchy.quality[r] += quality[r];
-      }
-    }
+// How good the trees of a division find each region of another tree: the sum
+// over the trees.
+std::vector<double> QualityInTrees(const JudgedTree& tree,
+                                   std::span<const JudgedTree> others,
+                                   std::span<const SharedPixels> shared) {
+  std::vector<double> sum(tree.quality.size(), 0.0);
+  for (const JudgedTree& other : others) {
+    const std::vector<double> quality = QualityInOther(tree.tree,
+                                                       tree.is_large,
+                                                       other.tree,
+                                                       other.is_large,
+                                                       other.quality,
+                                                       shared);
+    for (size_t r = 0; r < sum.size(); ++r) sum[r] += quality[r];
   }
-  for (double& quality : hierarchy.quality) {
-    quality = RoundedQuality(quality / static_cast<double>(trees.size()));
-  }
-  return hierarchy;
+  return sum;
 }
-
 }  // namespace
 
 Status EvidenceClusteringOptions::Check() const {
@@ -135,12 +116,42 @@ std::vector<Hierarchy> BuildHierarchies(std::span<const ScenePatches> divisions,
                            models);
     }
   });
-  std::vector<Hierarchy> hierarchies(divisions.size());
-  pool.ParallelFor(0, num_divisions, 1, [&](int64_t first, int64_t last, int) {
-    for (int64_t d = first; d < last; ++d) {
-      hierarchies[d] = HierarchyOf(divisions, trees, d);
+  // How good the trees of each division find the first tree of each.
+  std::vector<std::vector<double>> quality(num_divisions * num_divisions);
+  pool.ParallelFor(0,
+                   num_divisions * num_divisions,
+                   1,
+                   [&](int64_t first, int64_t last, int) {
+                     for (int64_t pair = first; pair < last; ++pair) {
+                       const int64_t own = pair / num_divisions;
+                       const int64_t other = pair % num_divisions;
+                       quality[pair] = QualityInTrees(
+                           trees[own * kNumTreeVariants],
+                           std::span(trees).subspan(other * kNumTreeVariants,
+                                                    kNumTreeVariants),
+                           FindSharedPixels(divisions[own].patch_of_gaussian,
+                                            divisions[other].patch_of_gaussian,
+                                            divisions[own].seen));
+                     }
+                   });
+  std::vector<Hierarchy> hierarchies;
+  for (int64_t own = 0; own < num_divisions; ++own) {
+    const ScenePatches& patches = divisions[own];
+    JudgedTree& tree = trees[own * kNumTreeVariants];
+    Hierarchy& hierarchy = hierarchies.emplace_back();
+    hierarchy.total_pixels = patches.graph.total_pixels;
+    hierarchy.part_pixels = patches.graph.PixelsOfRegions();
+    hierarchy.part_of_gaussian = patches.patch_of_gaussian;
+    for (size_t r = 0; r < tree.quality.size(); ++r) {
+      double sum = 0;
+      for (int64_t other = 0; other < num_divisions; ++other) {
+        sum += quality[own * num_divisions + other][r];
+      }
+      hierarchy.quality.push_back(
+          RoundedQuality(sum / static_cast<double>(num_trees)));
     }
-  });
+    hierarchy.tree = std::move(tree.tree);
+  }
   return hierarchies;
 }
 
@@ -159,6 +170,7 @@ size_t DivisionMostAgreedOn(std::span<const Hierarchy> hierarchies,
   pool.ParallelFor(0, num_divisions, 1, [&](int64_t first, int64_t last, int) {
     for (int64_t d = first; d < last; ++d) {
       for (size_t other = 0; other < labels.size(); ++other) {
+        if (other == static_cast<size_t>(d)) continue;
         agreement[d] += Agreement(labels[d], labels[other], seen);
       }
     }

@@ -157,6 +157,7 @@ StatusOr<InstanceLabels> InstanceClusterer::Cluster(
     for (ScenePatches& patches : divisions_) {
       SetSemantics(semantics.values, semantics.dim, &patches);
     }
+    if (IsCancelled(cancellation)) return Interrupted();
     FREEGS_ASSIGN_OR_RETURN(EvidenceClusters clusters,
                             ClusterByEvidence(*model_,
                                               divisions_,

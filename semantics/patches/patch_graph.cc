@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/pinhole.h"
+
 namespace freegs::semantics {
 namespace {
 
@@ -109,12 +111,11 @@ Image<int32_t> PatchOfPixels(const splat::WeightMatrix& weights,
 
 PatchGraphBuilder::PatchGraphBuilder(const splat::GaussianModel& model,
                                      std::vector<int32_t> patch_of_gaussian,
-                                     std::vector<float> normals,
+                                     std::span<const float> normals,
                                      std::vector<float> size_of_patch,
                                      std::vector<float> depth_scale)
     : model_(model),
       patch_of_gaussian_(std::move(patch_of_gaussian)),
-      normals_(std::move(normals)),
       size_of_patch_(std::move(size_of_patch)),
       depth_scale_(std::move(depth_scale)),
       towards_camera_(size_of_patch_.size(), Eigen::Vector3d::Zero()),
@@ -126,7 +127,7 @@ PatchGraphBuilder::PatchGraphBuilder(const splat::GaussianModel& model,
     const int32_t patch = patch_of_gaussian_[g];
     if (patch < 0) continue;
     middle_[patch] += RowOf3(model_.means, g);
-    const Eigen::Vector3d normal = RowOf3(normals_, g);
+    const Eigen::Vector3d normal = RowOf3(normals, g);
     normal_[patch] +=
         normal.dot(normal_[patch]) < 0 ? Eigen::Vector3d(-normal) : normal;
     count[patch] += 1;

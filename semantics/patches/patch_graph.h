@@ -18,7 +18,6 @@
 #include <Eigen/Core>
 
 #include "core/image.h"
-#include "core/pinhole.h"
 #include "semantics/patches/region_graph.h"
 #include "semantics/patches/view_cues.h"
 #include "splat/scene/gaussian_model.h"
@@ -40,9 +39,13 @@ class PatchGraphBuilder {
   // (splat/scene/model_frame.h). The model must outlive the builder.
   PatchGraphBuilder(const splat::GaussianModel& model,
                     std::vector<int32_t> patch_of_gaussian,
-                    std::vector<float> normals,
+                    std::span<const float> normals,
                     std::vector<float> size_of_patch,
                     std::vector<float> depth_scale);
+
+  const std::vector<int32_t>& patch_of_gaussian() const {
+    return patch_of_gaussian_;
+  }
 
   // The cues are of this model.
   void AddView(const ViewCues& cues);
@@ -72,7 +75,6 @@ class PatchGraphBuilder {
 
   const splat::GaussianModel& model_;
   std::vector<int32_t> patch_of_gaussian_;
-  std::vector<float> normals_;
   std::vector<float> size_of_patch_;
   std::vector<float> depth_scale_;
   std::vector<Eigen::Vector3d> towards_camera_;  // One for each patch.

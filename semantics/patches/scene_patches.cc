@@ -103,22 +103,17 @@ StatusOr<std::vector<ImageF>> ReadPhotos(
   return photos;
 }
 
-// The patches of a division, and what looks at them.
-struct Division {
-  std::vector<int32_t> patch_of_gaussian;
-  PatchGraphBuilder builder;
-};
-
-StatusOr<Division> MakeDivision(const PatchScene& scene,
-                                const SurfacePoints& points,
-                                const std::vector<uint32_t>& rows,
-                                const std::vector<float>& sizes,
-                                std::span<const View> views,
-                                int number,
-                                ThreadPool& pool) {
+// What looks at the patches of a division. rows: the Gaussian of each point.
+StatusOr<PatchGraphBuilder> Divide(const PatchScene& scene,
+                                   const SurfacePoints& points,
+                                   const std::vector<uint32_t>& rows,
+                                   const std::vector<float>& sizes,
+                                   std::span<const View> views,
+                                   int division,
+                                   ThreadPool& pool) {
   const size_t num_gaussians = scene.model.size();
   FREEGS_ASSIGN_OR_RETURN(const Patches patches,
-                          MakePatches(points, sizes, number, pool));
+                          MakePatches(points, sizes, division, pool));
   std::vector<int32_t> patch_of_gaussian(num_gaussians, -1);
   std::vector<float> size_of_patch(patches.count, 0.0f);
   std::vector<float> normals(num_gaussians * 3, 0.0f);
@@ -131,13 +126,11 @@ StatusOr<Division> MakeDivision(const PatchScene& scene,
   }
   std::vector<float> depth_scale =
       DepthScale(points.positions, patches, size_of_patch, views);
-  PatchGraphBuilder builder(scene.model,
-                            patch_of_gaussian,
-                            std::move(normals),
-                            std::move(size_of_patch),
-                            std::move(depth_scale));
-  return Division{.patch_of_gaussian = std::move(patch_of_gaussian),
-                  .builder = std::move(builder)};
+  return PatchGraphBuilder(scene.model,
+                           std::move(patch_of_gaussian),
+                           normals,
+                           std::move(size_of_patch),
+                           std::move(depth_scale));
 }
 
 }  // namespace
@@ -174,12 +167,15 @@ StatusOr<std::vector<ScenePatches>> BuildScenePatches(
          .seen = seen,
          .graph = {}});
   }
-  std::vector<Division> divisions;
-  for (int number = 0; number < kNumDivisions; ++number) {
+  std::vector<PatchGraphBuilder> builders;
+  for (int division = 0; division < kNumDivisions; ++division) {
+    if (IsCancelled(cancellation)) {
+      return InterruptedError("dividing the surfaces was interrupted");
+    }
     FREEGS_ASSIGN_OR_RETURN(
-        Division division,
-        MakeDivision(scene, points, matter.rows, sizes, views, number, pool));
-    divisions.push_back(std::move(division));
+        PatchGraphBuilder builder,
+        Divide(scene, points, matter.rows, sizes, views, division, pool));
+    builders.push_back(std::move(builder));
   }
   FREEGS_ASSIGN_OR_RETURN(const std::vector<ImageF> photos,
                           ReadPhotos(scene, chosen, views, pool, cancellation));
@@ -205,16 +201,15 @@ StatusOr<std::vector<ScenePatches>> BuildScenePatches(
     pool.ParallelFor(
         0, kNumDivisions, 1, [&](int64_t first, int64_t last, int) {
           for (int64_t d = first; d < last; ++d) {
-            divisions[d].builder.AddView(cues);
+            builders[d].AddView(cues);
           }
         });
   }
   std::vector<ScenePatches> result;
-  for (Division& division : divisions) {
-    result.push_back(
-        {.patch_of_gaussian = std::move(division.patch_of_gaussian),
-         .seen = seen,
-         .graph = division.builder.Finish(seen)});
+  for (PatchGraphBuilder& builder : builders) {
+    result.push_back({.patch_of_gaussian = builder.patch_of_gaussian(),
+                      .seen = seen,
+                      .graph = builder.Finish(seen)});
   }
   return result;
 }

@@ -28,6 +28,7 @@ std::vector<SharedPixels> FindSharedPixels(std::span<const int32_t> a,
                                            std::span<const double> seen) {
   // Sorted by Gaussians as well, so that sums do not depend on the sorting.
   std::vector<std::pair<uint64_t, uint32_t>> gaussians;
+  gaussians.reserve(a.size());
   for (size_t g = 0; g < a.size(); ++g) {
     if (a[g] < 0 || b[g] < 0 || !(seen[g] > 0)) continue;
     gaussians.emplace_back(
@@ -49,22 +50,22 @@ std::vector<SharedPixels> FindSharedPixels(std::span<const int32_t> a,
   return shared;
 }
 
-LeafPixels PixelsOfLeaves(std::span<const SharedPixels> shared,
-                          int num_a,
-                          int num_b) {
-  LeafPixels leaves;
-  leaves.of_a.assign(num_a, 0.0);
-  leaves.of_b.assign(num_b, 0.0);
-  leaves.first_of_a.assign(num_a + 1, 0);
+PatchPixels PixelsOfPatches(std::span<const SharedPixels> shared,
+                            int num_a,
+                            int num_b) {
+  PatchPixels result;
+  result.of_a.assign(num_a, 0.0);
+  result.of_b.assign(num_b, 0.0);
+  result.first_of_a.assign(num_a + 1, 0);
   for (const SharedPixels& pair : shared) {
-    leaves.of_a[pair.a] += pair.pixels;
-    leaves.of_b[pair.b] += pair.pixels;
-    ++leaves.first_of_a[pair.a + 1];
+    result.of_a[pair.a] += pair.pixels;
+    result.of_b[pair.b] += pair.pixels;
+    ++result.first_of_a[pair.a + 1];
   }
   for (int p = 0; p < num_a; ++p) {
-    leaves.first_of_a[p + 1] += leaves.first_of_a[p];
+    result.first_of_a[p + 1] += result.first_of_a[p];
   }
-  return leaves;
+  return result;
 }
 
 double Agreement(std::span<const int32_t> a,
@@ -78,10 +79,12 @@ double Agreement(std::span<const int32_t> a,
     best[pair.a] = std::max(best[pair.a], pair.pixels / either);
   }
   double sum = 0;
-  double pixels = 0;
   for (size_t region = 0; region < best.size(); ++region) {
     sum += sizes_a[region] * best[region];
-    pixels += sizes_a[region];
+  }
+  double pixels = 0;
+  for (size_t g = 0; g < seen.size(); ++g) {
+    if (a[g] >= 0 || b[g] >= 0) pixels += seen[g];
   }
   return pixels > 0 ? sum / pixels : 0;
 }

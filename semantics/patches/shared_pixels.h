@@ -26,21 +26,25 @@ std::vector<SharedPixels> FindSharedPixels(std::span<const int32_t> a,
                                            std::span<const double> seen);
 
 // What each patch shares with all of the other division together.
-struct LeafPixels {
+struct PatchPixels {
   std::vector<double> of_a;
   std::vector<double> of_b;
   // The pairs of patch p of the first division are those from first_of_a[p] to
   // first_of_a[p + 1] - 1.
   std::vector<size_t> first_of_a;
 };
-LeafPixels PixelsOfLeaves(std::span<const SharedPixels> shared,
-                          int num_a,
-                          int num_b);
 
-// How much of the first division the second one has as well: the mean over the
-// pixels of the largest intersection over union of their region with one of the
-// second. Both arguments are divisions of the Gaussians as above. 0 without
-// shared pixels.
+// shared: sorted as FindSharedPixels returns it. num_a, num_b: the numbers of
+// patches in both divisions.
+PatchPixels PixelsOfPatches(std::span<const SharedPixels> shared,
+                            int num_a,
+                            int num_b);
+
+// How much two divisions of the Gaussians, given as above, are alike: the mean,
+// over the pixels that are of a region in either, of the largest intersection
+// over union of their region in the first with one in the second. Pixels that
+// are of no region in the first count as 0, so that leaving things to nobody
+// gains nothing. 0 without shared pixels.
 double Agreement(std::span<const int32_t> a,
                  std::span<const int32_t> b,
                  std::span<const double> seen);

@@ -104,8 +104,8 @@ std::vector<double> QualityInOther(const RegionTree& tree,
                                    std::span<const uint8_t> other_is_large,
                                    std::span<const double> other_quality,
                                    std::span<const SharedPixels> shared) {
-  const LeafPixels pixels =
-      PixelsOfLeaves(shared, tree.num_leaves, other.num_leaves);
+  const PatchPixels pixels =
+      PixelsOfPatches(shared, tree.num_leaves, other.num_leaves);
   const std::vector<double> sizes = tree.Sums(pixels.of_a);
   const std::vector<double> other_sizes = other.Sums(pixels.of_b);
   const LeafOrder leaves = OrderLeaves(tree);

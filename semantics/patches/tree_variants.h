@@ -28,10 +28,10 @@ EvidenceModel VariantOf(const EvidenceModel& model, int variant);
 // Returns for each region of `tree` the quality of the region of `other` that
 // is most like it, times their intersection over union in `shared` pixels. The
 // trees may be of two divisions into patches: shared[i].a is a leaf of `tree`,
-// shared[i].b one of `other`. other_quality has a number for each region of
-// `other`. Regions that are not large (one flag for each, such as that a region
-// is no crumb) get 0, and are not looked at in `other`; a region with a large
-// part is large.
+// shared[i].b one of `other`, sorted as FindSharedPixels returns them.
+// other_quality has a number for each region of `other`. Regions that are not
+// large (one flag for each, such as that a region is no crumb) get 0, and are
+// not looked at in `other`; a region with a large part is large.
 std::vector<double> QualityInOther(const RegionTree& tree,
                                    std::span<const uint8_t> is_large,
                                    const RegionTree& other,

@@ -34,10 +34,13 @@ TEST(LearningSceneTest, ATruthWithoutMasksIsRefused) {
   ASSERT_TRUE(WriteLabels(folder / "photo1.png", mask).ok());
   // A slash at the end of the workspace does not take its name away.
   for (const std::string ending : {"", "/", "/./"}) {
-    const auto scene = load(ending);
-    ASSERT_TRUE(scene.ok()) << scene.status().message();
-    EXPECT_EQ(scene->name, workspace.path().filename());
-    EXPECT_GT(scene->segment_pixels.at(7), 0);
+    const auto divisions = load(ending);
+    ASSERT_TRUE(divisions.ok()) << divisions.status().message();
+    EXPECT_EQ(divisions->size(), static_cast<size_t>(semantics::kNumDivisions));
+    for (const LearningScene& scene : *divisions) {
+      EXPECT_EQ(scene.name, workspace.path().filename());
+      EXPECT_GT(scene.segment_pixels.at(7), 0);
+    }
   }
 }
 

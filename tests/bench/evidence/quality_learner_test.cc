@@ -65,7 +65,7 @@ TEST(QualityLearnerTest, WholeThingsGetMoreThanPartsAndGroups) {
   EXPECT_EQ(learnt.num_regions, 40u * (4 * kObjects - 1));
 
   // A row that it was not taught.
-  const semantics::RegionGraph graph = Row(1000).graph;
+  const semantics::RegionGraph graph = Row(1000).patches.graph;
   const semantics::MeasuredTree measured = semantics::MergeAndMeasure(
       graph, semantics::EvidenceOfContacts(graph), ContrastTells(), 1);
   const std::vector<double> sizes = measured.tree.Sums(graph.PixelsOfRegions());

@@ -28,10 +28,10 @@ TEST(SharedPixelsTest, SumsTheGaussiansOfEachPair) {
   EXPECT_EQ(shared[2].b, 1);
   EXPECT_EQ(shared[2].pixels, 17);
 
-  const LeafPixels leaves = PixelsOfLeaves(shared, 3, 3);
-  EXPECT_EQ(leaves.of_a, (std::vector<double>{5, 33, 0}));
-  EXPECT_EQ(leaves.of_b, (std::vector<double>{16, 17, 5}));
-  EXPECT_EQ(leaves.first_of_a, (std::vector<size_t>{0, 1, 3, 3}));
+  const PatchPixels pixels = PixelsOfPatches(shared, 3, 3);
+  EXPECT_EQ(pixels.of_a, (std::vector<double>{5, 33, 0}));
+  EXPECT_EQ(pixels.of_b, (std::vector<double>{16, 17, 5}));
+  EXPECT_EQ(pixels.first_of_a, (std::vector<size_t>{0, 1, 3, 3}));
 }
 
 TEST(SharedPixelsTest, DivisionsThatAreAlikeAgree) {
@@ -45,6 +45,9 @@ TEST(SharedPixelsTest, DivisionsThatAreAlikeAgree) {
                    (3 * 1.0 + 7 * (4.0 / 7)) / 10);
   // What belongs to nobody agrees with nothing.
   EXPECT_DOUBLE_EQ(Agreement(a, std::vector<int32_t>{0, 0, -1, -1, 1}, seen),
+                   0.2);
+  // Nor does what belongs to nobody in the first division alone.
+  EXPECT_DOUBLE_EQ(Agreement(std::vector<int32_t>{0, 0, -1, -1, -1}, a, seen),
                    0.3);
   EXPECT_EQ(Agreement(a, std::vector<int32_t>(5, -1), seen), 0);
   EXPECT_EQ(Agreement(std::vector<int32_t>(5, -1), a, seen), 0);
