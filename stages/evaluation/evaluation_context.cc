@@ -26,7 +26,7 @@ Status EvaluationContext::ForEachView(
     view.camera = view.camera.LimitedTo(max_side);
     JudgedView judged;
     judged.name = view.name;
-    FREEGS_ASSIGN_OR_RETURN(judged.truth, ReadTrueMasks(truth, view));
+    FREEGS_ASSIGN_OR_RETURN(judged.truth, ReadTrueMasks(truth, view, pool));
     judged.rendered = RenderLabels(scene, view, labels, pool);
     FREEGS_RETURN_IF_ERROR(body(judged));
   }

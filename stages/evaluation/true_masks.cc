@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/io/image_io.h"
 
@@ -38,11 +39,30 @@ StatusOr<ImageU16> ReadBright(const fs::path& path) {
   return mask;
 }
 
-// Resamples a mask file, whose lens may distort, to the pixels of `camera`.
+// Resamples mask files, whose lens may distort, to the pixels of `camera`.
+// Where the lens shows each of them is worked out once for all files of a view.
 class MaskSampler {
  public:
-  MaskSampler(const Pinhole& camera, const sfm::Camera* lens)
-      : camera_(camera), lens_(lens) {}
+  // lens: null if the files are of `camera` itself.
+  MaskSampler(const Pinhole& camera, const sfm::Camera* lens, ThreadPool& pool)
+      : camera_(camera), lens_(lens) {
+    if (lens == nullptr) return;
+    in_lens_.resize(static_cast<size_t>(camera.width) * camera.height);
+    pool.ParallelFor(
+        0, camera.height, 16, [&](int64_t first, int64_t last, int) {
+          for (int y = static_cast<int>(first); y < last; ++y) {
+            for (int x = 0; x < camera.width; ++x) {
+              const std::optional<Eigen::Vector2d> pixel =
+                  sfm::Project(*lens,
+                               {(x + 0.5 - camera.cx) / camera.fx,
+                                (y + 0.5 - camera.cy) / camera.fy,
+                                1});
+              in_lens_[static_cast<size_t>(y) * camera.width + x] =
+                  pixel.value_or(Eigen::Vector2d(-1, -1));
+            }
+          }
+        });
+  }
 
   StatusOr<ImageU16> Sample(const ImageU16& file,
                             const std::string& name) const {
@@ -62,10 +82,9 @@ class MaskSampler {
     const double y_scale = file.height() / height;
     for (int y = 0; y < camera_.height; ++y) {
       for (int x = 0; x < camera_.width; ++x) {
-        const std::optional<Eigen::Vector2d> pixel = InLens(x + 0.5, y + 0.5);
-        if (!pixel) continue;
-        const double u = std::floor(pixel->x() * x_scale);
-        const double v = std::floor(pixel->y() * y_scale);
+        const Eigen::Vector2d pixel = InLens(x, y);
+        const double u = std::floor(pixel.x() * x_scale);
+        const double v = std::floor(pixel.y() * y_scale);
         if (u < 0 || v < 0 || u >= file.width() || v >= file.height()) continue;
         result(x, y) = file(static_cast<int>(u), static_cast<int>(v));
       }
@@ -74,15 +93,16 @@ class MaskSampler {
   }
 
  private:
-  std::optional<Eigen::Vector2d> InLens(double x, double y) const {
-    if (lens_ == nullptr) return Eigen::Vector2d(x, y);
-    return sfm::Project(
-        *lens_,
-        {(x - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy, 1});
+  // Where the middle of a pixel is in the files, at the size of the lens;
+  // negative where the lens does not show it.
+  Eigen::Vector2d InLens(int x, int y) const {
+    if (lens_ == nullptr) return {x + 0.5, y + 0.5};
+    return in_lens_[static_cast<size_t>(y) * camera_.width + x];
   }
 
   Pinhole camera_;
   const sfm::Camera* lens_;
+  std::vector<Eigen::Vector2d> in_lens_;
 };
 
 // Adds the object to the first layer in which it covers no other object.
@@ -105,7 +125,9 @@ void AddObject(const ImageU16& mask, int object, MaskLayers* layers) {
 
 }  // namespace
 
-StatusOr<MaskLayers> ReadTrueMasks(const GroundTruth& truth, const View& view) {
+StatusOr<MaskLayers> ReadTrueMasks(const GroundTruth& truth,
+                                   const View& view,
+                                   ThreadPool& pool) {
   const std::vector<MaskFile>& files = truth.masks.at(view.name);
   if (files.size() > kMaxMasks) {
     return BadInputError(view.name + ": has " + std::to_string(files.size()) +
@@ -114,7 +136,7 @@ StatusOr<MaskLayers> ReadTrueMasks(const GroundTruth& truth, const View& view) {
   }
   const auto lens = truth.lenses.find(view.name);
   const MaskSampler sampler(
-      view.camera, lens == truth.lenses.end() ? nullptr : &lens->second);
+      view.camera, lens == truth.lenses.end() ? nullptr : &lens->second, pool);
   MaskLayers layers;
   for (const MaskFile& file : files) {
     FREEGS_ASSIGN_OR_RETURN(

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
 #include "stages/evaluation/ground_truth.h"
@@ -25,7 +26,9 @@ using MaskLayers = std::vector<ImageU16>;
 // brighter than 1 it marks those that are not 0. kBadInput, naming the file,
 // for images that cannot be read or whose aspect differs from the camera's by
 // more than 1 %, and for more than 256 masks.
-StatusOr<MaskLayers> ReadTrueMasks(const GroundTruth& truth, const View& view);
+StatusOr<MaskLayers> ReadTrueMasks(const GroundTruth& truth,
+                                   const View& view,
+                                   ThreadPool& pool);
 
 // 255 where some layer has one of `objects`, else 0. There must be at least one
 // layer, and all must be of the same size.

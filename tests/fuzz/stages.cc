@@ -99,8 +99,9 @@ std::vector<FolderFile> ThreeDOvsFiles() {
 // The masks of every test view, as `eval` reads them.
 void ReadMasks(const StatusOr<stages::GroundTruth>& truth) {
   if (!truth.ok()) return;
+  ThreadPool pool(1);
   for (const View& view : truth->cameras.test) {
-    (void)stages::ReadTrueMasks(*truth, view);
+    (void)stages::ReadTrueMasks(*truth, view, pool);
   }
 }
 

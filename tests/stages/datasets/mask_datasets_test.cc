@@ -183,7 +183,7 @@ TEST_F(MaskDatasetTest, OverlappingMasksAreAllJudged) {
   ASSERT_TRUE(WriteImage(folder / "balls.png", both).ok());
   const auto truth = ReadLerfMask(data_);
   ASSERT_TRUE(truth.ok());
-  const auto layers = ReadTrueMasks(*truth, truth->cameras.test[1]);
+  const auto layers = ReadTrueMasks(*truth, truth->cameras.test[1], pool_);
   ASSERT_TRUE(layers.ok());
   EXPECT_EQ(layers->size(), 2u);
   const auto count = [&](int object) {
@@ -250,7 +250,7 @@ TEST_F(MaskDatasetTest, HostileNamesAndPicturesAreRefused) {
   const auto read = [this]() -> Status {
     const auto truth = ReadLerfMask(data_);
     if (!truth.ok()) return truth.status();
-    return ReadTrueMasks(*truth, truth->cameras.test[0]).status();
+    return ReadTrueMasks(*truth, truth->cameras.test[0], pool_).status();
   };
   EXPECT_TRUE(read().ok());
   ASSERT_TRUE(WriteImage(folder / "left ball.png", ImageU8(72, 96, 1)).ok());
@@ -336,7 +336,7 @@ TEST_F(MaskDatasetTest, MasksOfADistortedPhotoAreStraightened) {
   const auto truth = ReadThreeDOvs(data_);
   ASSERT_TRUE(truth.ok()) << truth.status().message();
   EXPECT_EQ(truth->lenses.size(), 3u);
-  const auto layers = ReadTrueMasks(*truth, truth->cameras.test[0]);
+  const auto layers = ReadTrueMasks(*truth, truth->cameras.test[0], pool_);
   ASSERT_TRUE(layers.ok()) << layers.status().message();
   const auto distorted = [](double radius) {
     const double r = radius / 90;
@@ -368,7 +368,7 @@ TEST_F(MaskDatasetTest, TooManyMasksAreRefused) {
   for (int i = 0; i < 257; ++i) truth.masks["v"].push_back({"x.png", 1});
   View view = TestView(0);
   view.name = "v";
-  EXPECT_THAT(ReadTrueMasks(truth, view).status().message(),
+  EXPECT_THAT(ReadTrueMasks(truth, view, pool_).status().message(),
               HasSubstr("257 masks"));
 }
 

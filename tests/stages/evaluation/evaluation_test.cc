@@ -161,9 +161,10 @@ TEST_F(EvaluationTest, MasksMayBeSmallerButNotOfAnotherShape) {
   const View& view = truth_.cameras.test[0];
   const fs::path path = truth_.masks[view.name][0].path;
   ASSERT_TRUE(WriteLabels(path, ImageU16(4, 3, 1)).ok());
-  EXPECT_TRUE(ReadTrueMasks(truth_, view).ok());
+  EXPECT_TRUE(ReadTrueMasks(truth_, view, pool_).ok());
   ASSERT_TRUE(WriteLabels(path, ImageU16(2, 2, 1)).ok());
-  EXPECT_EQ(ReadTrueMasks(truth_, view).status().code(), StatusCode::kBadInput);
+  EXPECT_EQ(ReadTrueMasks(truth_, view, pool_).status().code(),
+            StatusCode::kBadInput);
 }
 
 TEST_F(EvaluationTest, LargeMasksAreComparedReduced) {
