@@ -25,6 +25,7 @@ namespace freegs::semantics {
 struct TextEmbedding {
   std::vector<float> values;  // D, of length 1.
   bool truncated = false;     // True if the text was too long and was cut.
+  bool has_words = true;      // False for blanks of any kind.
 };
 
 // Several threads may encode images at once, with the same results; texts only

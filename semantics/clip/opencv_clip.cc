@@ -424,7 +424,10 @@ StatusOr<TextEmbedding> OpenCvClip::EncodeText(const std::string& text) {
       tokens.ids.begin(), tokens.ids.end(), text_->tokenizer.end_token());
   const float* row =
       output.ptr<float>(0, static_cast<int>(end - tokens.ids.begin()));
-  TextEmbedding embedding{{row, row + dim}, tokens.truncated};
+  // Besides words there are the tokens of the start and the end.
+  TextEmbedding embedding{.values = {row, row + dim},
+                          .truncated = tokens.truncated,
+                          .has_words = tokens.ids.size() > 2};
   if (!Normalize(embedding.values)) {
     return folder_.FileError("text.onnx", "its output is zero");
   }

@@ -39,11 +39,30 @@ float Relevancy(std::span<const float> feature,
   return static_cast<float>(relevancy);
 }
 
+StatusOr<TextEmbedding> EncodeWords(const std::string& text,
+                                    ClipEncoder& encoder) {
+  StatusOr<TextEmbedding> embedding = encoder.EncodeText(text);
+  if (embedding.ok() && !embedding->has_words) {
+    return InvalidArgumentError("there are no words in the text");
+  }
+  return embedding;
+}
+
+StatusOr<TextEmbedding> EncodeModelText(const std::string& text,
+                                        ClipEncoder& encoder) {
+  StatusOr<TextEmbedding> embedding = EncodeWords(text, encoder);
+  if (embedding.status().code() == StatusCode::kInvalidArgument) {
+    return BadInputError("model.json: the words \"" + text +
+                         "\": " + embedding.status().message());
+  }
+  return embedding;
+}
+
 StatusOr<std::vector<float>> EncodeCanonicalPhrases(ClipEncoder& encoder) {
   std::vector<float> canonical;
   for (const std::string& phrase : encoder.canonical_phrases()) {
     FREEGS_ASSIGN_OR_RETURN(const TextEmbedding embedding,
-                            encoder.EncodeText(phrase));
+                            EncodeModelText(phrase, encoder));
     canonical.insert(
         canonical.end(), embedding.values.begin(), embedding.values.end());
   }

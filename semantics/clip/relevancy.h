@@ -5,6 +5,7 @@
 #define FREEGS_SEMANTICS_CLIP_RELEVANCY_H_
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/status.h"
@@ -25,8 +26,18 @@ float Relevancy(std::span<const float> feature,
                 std::span<const float> text,
                 std::span<const float> canonical);
 
+// ClipEncoder::EncodeText for words that somebody asks for. kInvalidArgument
+// also for a text without words.
+StatusOr<TextEmbedding> EncodeWords(const std::string& text,
+                                    ClipEncoder& encoder);
+
+// EncodeWords for those that the model brings: kBadInput names
+// those that it cannot encode, because the user is not to blame for them.
+StatusOr<TextEmbedding> EncodeModelText(const std::string& text,
+                                        ClipEncoder& encoder);
+
 // Returns the vectors of encoder.canonical_phrases(), one after another, as
-// Relevancy() takes them. Errors as ClipEncoder::EncodeText.
+// Relevancy() takes them. Errors as EncodeModelText.
 StatusOr<std::vector<float>> EncodeCanonicalPhrases(ClipEncoder& encoder);
 
 }  // namespace freegs::semantics

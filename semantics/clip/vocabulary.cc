@@ -18,7 +18,7 @@ StatusOr<Vocabulary> Vocabulary::Create(
     std::vector<Word>& group = vocabulary.groups_.emplace_back();
     for (const std::string& text : texts) {
       FREEGS_ASSIGN_OR_RETURN(TextEmbedding embedding,
-                              encoder.EncodeText(text));
+                              EncodeModelText(text, encoder));
       group.push_back({text, std::move(embedding.values)});
     }
   }

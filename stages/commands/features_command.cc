@@ -145,7 +145,7 @@ Status RunFeaturesCommand(const std::vector<std::string>& arguments,
                           OpenClipModel(request.model));
 
   FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
-                          encoder->EncodeText(request.text));
+                          semantics::EncodeWords(request.text, *encoder));
   if (text.truncated) {
     context.err << "features: the words are too long for the model; it sees "
                    "only their beginning\n";

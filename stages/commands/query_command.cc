@@ -3,6 +3,7 @@
 #include "stages/commands/query_command.h"
 
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -78,16 +79,20 @@ Status RunQueryCommand(const std::vector<std::string>& arguments,
   ThreadPool pool(pipeline::WorkingThreads(request.threads));
   Lap lap;
   QueryScene scene;
-  FREEGS_RETURN_IF_ERROR(LoadQueryScene(request, context.err, &scene));
+  std::ostringstream messages;
+  const Status loaded = LoadQueryScene(request, messages, &scene);
+  context.err << messages.str();
+  FREEGS_RETURN_IF_ERROR(loaded);
   const double load_ms = lap.Milliseconds();
   if (context.cancellation.cancelled()) {
     return InterruptedError("query: stopped");
   }
   QueryNetworks networks;
-  FREEGS_ASSIGN_OR_RETURN(
-      QueryAnswer answer,
-      FindAnswer(request, context.err, pool, &scene, &networks));
+  FREEGS_ASSIGN_OR_RETURN(QueryAnswer answer,
+                          FindAnswer(request, pool, &scene, &networks));
   answer.load_ms = load_ms;
+  context.err << answer.note;
+  answer.note = messages.str() + answer.note;
   if (!request.out.empty()) {
     FREEGS_RETURN_IF_ERROR(WriteMasks(request, scene, context, pool, &answer));
     FREEGS_RETURN_IF_ERROR(

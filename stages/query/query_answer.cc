@@ -143,21 +143,28 @@ json ToJson(const QueryAnswer& answer,
   for (const ScoredInstance& other : answer.others) {
     others.push_back(Brief(other));
   }
-  const ScoredInstance* best = Best(answer);
-  json result = {
-      {"query", answer.question},
-      {"found", !answer.hits.empty()},
-      {"score", answer.score_name},
-      {"threshold", answer.threshold},
-      {"best_score", best == nullptr ? json(nullptr) : json(best->score)},
-      {"hits", std::move(hits)},
-      {"others", std::move(others)},
-      {"plane", answer.plane ? Brief(*answer.plane) : json(nullptr)},
-      {"timings",
-       {{"load_ms", answer.load_ms},
-        {"encode_ms", answer.encode_ms},
-        {"query_ms", answer.query_ms},
-        {"masks_ms", answer.masks_ms}}}};
+  // A part or whole of what was clicked may weigh less than another instance.
+  double best_score = -1;
+  for (const auto* list : {&answer.hits, &answer.others}) {
+    for (const ScoredInstance& scored : *list) {
+      best_score = std::max(best_score, scored.score);
+    }
+  }
+  const bool compared = Best(answer) != nullptr;
+  json result = {{"query", answer.question},
+                 {"found", !answer.hits.empty()},
+                 {"score", answer.score_name},
+                 {"threshold", answer.threshold},
+                 {"best_score", compared ? json(best_score) : json(nullptr)},
+                 {"hits", std::move(hits)},
+                 {"others", std::move(others)},
+                 {"plane", answer.plane ? Brief(*answer.plane) : json(nullptr)},
+                 {"note", answer.note},
+                 {"timings",
+                  {{"load_ms", answer.load_ms},
+                   {"encode_ms", answer.encode_ms},
+                   {"query_ms", answer.query_ms},
+                   {"masks_ms", answer.masks_ms}}}};
   if (answer.masks) {
     json masks = json::array();
     for (const MaskedView& view : *answer.masks) {

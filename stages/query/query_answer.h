@@ -45,6 +45,9 @@ struct QueryAnswer {
   // were not asked for. It need not reach the threshold.
   std::optional<ScoredInstance> plane;
 
+  // What makes the answer uncertain, in lines for people; empty for nothing.
+  std::string note;
+
   std::optional<std::vector<MaskedView>> masks;  // Nothing without --out.
 
   // Times in milliseconds.

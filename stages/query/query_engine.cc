@@ -66,17 +66,17 @@ Status OpenNetworks(const QueryRequest& request,
 
 Status AnswerText(const QueryRequest& request,
                   const QueryScene& scene,
-                  std::ostream& messages,
                   QueryNetworks* networks,
                   QueryAnswer* answer) {
   Lap lap;
   FREEGS_RETURN_IF_ERROR(OpenNetworks(request, scene, networks));
   semantics::OpenCvClip& encoder = *networks->clip;
   FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
-                          encoder.EncodeText(*request.text));
+                          semantics::EncodeWords(*request.text, encoder));
   if (text.truncated) {
-    messages << "query: the words are too long for the model; it sees only "
-                "their beginning\n";
+    answer->note +=
+        "query: the words are too long for the model; it sees only their "
+        "beginning\n";
   }
   if (networks->canonical.empty()) {
     FREEGS_ASSIGN_OR_RETURN(networks->canonical,
@@ -102,9 +102,11 @@ Status AnswerText(const QueryRequest& request,
   answer->query_ms = lap.Milliseconds();
   if (!answer->hits.empty() && encoder.info().min_word_confidence > 0 &&
       !HasWords(scene, answer->hits[0].id)) {
-    messages << "query: the model does not know what instance "
-             << answer->hits[0].id << " is, so this answer is a guess. "
-             << kOfficialModelAdvice << "\n";
+    answer->note += "query: the model does not know what instance " +
+                    std::to_string(answer->hits[0].id) +
+                    " is, so this answer is a guess. ";
+    answer->note += kOfficialModelAdvice;
+    answer->note += "\n";
   }
   return Status();
 }
@@ -280,19 +282,34 @@ Status AnswerBox(const QueryRequest& request,
   return Status();
 }
 
+// Says how many instances nothing is known of: those were not compared.
+void NoteUnknown(const semantics::InstanceFeatures& features,
+                 QueryAnswer* answer) {
+  size_t num_unknown = 0;
+  for (size_t i = 0; i < features.size(); ++i) {
+    num_unknown += features.known(i) ? 0 : 1;
+  }
+  if (num_unknown == 0 || !answer->hits.empty()) return;
+  answer->note += "query: " + std::to_string(num_unknown) + " of " +
+                  std::to_string(features.size()) +
+                  " instances were not compared: no photograph that the stage "
+                  "bootstrap looked at shows them well\n";
+}
+
 }  // namespace
 
 StatusOr<QueryAnswer> FindAnswer(const QueryRequest& request,
-                                 std::ostream& messages,
                                  ThreadPool& pool,
                                  QueryScene* scene,
                                  QueryNetworks* networks) {
   QueryAnswer answer;
   Status status;
   if (request.text) {
-    status = AnswerText(request, *scene, messages, networks, &answer);
+    status = AnswerText(request, *scene, networks, &answer);
+    if (status.ok()) NoteUnknown(*scene->features, &answer);
   } else if (request.example) {
     status = AnswerExample(request, *scene, networks, &answer);
+    if (status.ok()) NoteUnknown(*scene->features, &answer);
   } else if (request.click) {
     status = AnswerClick(request, pool, scene, &answer);
   } else {

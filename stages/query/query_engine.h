@@ -5,7 +5,6 @@
 #define FREEGS_STAGES_QUERY_QUERY_ENGINE_H_
 
 #include <memory>
-#include <ostream>
 #include <vector>
 
 #include "core/parallel.h"
@@ -26,14 +25,12 @@ struct QueryNetworks {
 
 // Answers one question. `scene` must have what LoadQueryScene loads for the
 // request; a click with a level changes its labels and adds an instance.
-// `messages` is told what makes the answer uncertain. load_ms, masks_ms and
-// masks of the answer are left alone.
+// load_ms, masks_ms and masks of the answer are left alone.
 //
 // kInvalidArgument for an unknown view and for a pixel outside the view;
 // kBadInput for a file that is missing or malformed; kMissingDependency when
 // the CLIP model is missing or is not the one of the scene's features.
 StatusOr<QueryAnswer> FindAnswer(const QueryRequest& request,
-                                 std::ostream& messages,
                                  ThreadPool& pool,
                                  QueryScene* scene,
                                  QueryNetworks* networks);

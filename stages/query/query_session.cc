@@ -40,13 +40,12 @@ StatusOr<nlohmann::json> QuerySession::Ask(QueryRequest request,
   std::vector<int32_t> labels;
   if (request.level) labels = scene_.labels;
   const size_t num_instances = scene_.instances.size();
-  StatusOr<QueryAnswer> answer =
-      FindAnswer(request, messages, pool, &scene_, &networks_);
+  StatusOr<QueryAnswer> answer = FindAnswer(request, pool, &scene_, &networks_);
   nlohmann::json json;
   if (answer.ok()) {
     answer->load_ms = load_ms;
+    answer->note = messages.str() + answer->note;
     json = ToJson(*answer, scene_.instances);
-    json["note"] = messages.str();
   }
   if (request.level) {
     scene_.labels = std::move(labels);

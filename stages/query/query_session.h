@@ -30,8 +30,7 @@ class QuerySession {
   explicit QuerySession(std::filesystem::path workspace)
       : workspace_(std::move(workspace)) {}
 
-  // Returns what `query --json` prints, and with "note" what it says on
-  // standard error (an empty text when it says nothing). The workspace is read
+  // Returns what `query --json` prints. The workspace is read
   // again when a stage has replaced the files. request.workspace is not looked
   // at, request.out and request.cameras must be empty. The errors are those of
   // LoadQueryScene and FindAnswer.

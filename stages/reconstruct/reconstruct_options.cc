@@ -117,11 +117,12 @@ void RegisterDensificationOptions(ReconstructStageOptions& options,
        .accepts =
            [](const std::string& text) { return ReadBudget(text).has_value(); },
        .allowed = AllowedBudgets()});
-  table.Add("reconstruct.densify_interval",
-            &options.densify_interval,
-            {.help = "Iterations between densifications; 0 never clones or "
-                     "splits.",
-             .min = 0});
+  table.Add(
+      "reconstruct.densify_interval",
+      &options.densify_interval,
+      {.help = "Iterations between densifications; 0 never clones, splits "
+               "or removes transparent Gaussians.",
+       .min = 0});
   table.Add("reconstruct.densify_gradient",
             &options.densify_gradient,
             {.help = "Gaussians whose mean gradient in the image (which spans "
@@ -140,7 +141,9 @@ splat::RenderOptions ReconstructRenderOptions(
 
 int64_t AutomaticBudget(int64_t train_pixels, int64_t memory_bytes) {
   const int64_t most =
-      std::min(kMaxAutomaticBudget, memory_bytes / 2 / kBytesPerBudget);
+      memory_bytes > 0
+          ? std::min(kMaxAutomaticBudget, memory_bytes / 2 / kBytesPerBudget)
+          : kMaxAutomaticBudget;
   return std::max(kMinAutomaticBudget,
                   std::min(most, train_pixels / kPixelsPerGaussian));
 }

@@ -55,7 +55,8 @@ splat::RenderOptions ReconstructRenderOptions(
 
 // The budget for training photos with so many pixels together, at the size of
 // training, on a machine with so much memory: what the photos can determine,
-// and no more than would fill half of the memory.
+// and no more than would fill half of the memory. A memory of 0 is not known,
+// and bounds nothing.
 int64_t AutomaticBudget(int64_t train_pixels, int64_t memory_bytes);
 
 // Translates the options for the trainer. train_pixels and memory_bytes are

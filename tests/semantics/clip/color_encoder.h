@@ -58,10 +58,10 @@ class ColorEncoder : public ClipEncoder {
   }
   // Colours have names; all other words are grey.
   StatusOr<TextEmbedding> EncodeText(const std::string& text) override {
-    if (text == "red") return TextEmbedding{Embed({0.8, 0.1, 0.1}), false};
-    if (text == "green") return TextEmbedding{Embed({0.1, 0.7, 0.1}), false};
-    if (text == "blue") return TextEmbedding{Embed({0.1, 0.2, 0.8}), false};
-    return TextEmbedding{Embed({0.5, 0.5, 0.5}), false};
+    if (text == "red") return TextEmbedding{.values = Embed({0.8, 0.1, 0.1})};
+    if (text == "green") return TextEmbedding{.values = Embed({0.1, 0.7, 0.1})};
+    if (text == "blue") return TextEmbedding{.values = Embed({0.1, 0.2, 0.8})};
+    return TextEmbedding{.values = Embed({0.5, 0.5, 0.5})};
   }
 
   static std::vector<float> Embed(const std::array<double, 3>& rgb) {

@@ -16,6 +16,7 @@
 
 #include "core/io/image_io.h"
 #include "core/parallel.h"
+#include "semantics/clip/relevancy.h"
 #include "tests/semantics/clip/model_files.h"
 
 namespace freegs::semantics {
@@ -108,9 +109,20 @@ TEST(OpenCvClipTest, CallsDoNotDisturbEachOther) {
   const ImageU8 grey(40, 30, 3, 128);
   const auto first = (*clip)->EncodeImage(*image);
   const auto text = (*clip)->EncodeText("red apple");
+  ASSERT_TRUE(text.ok());
+  EXPECT_TRUE(text->has_words);
   ASSERT_TRUE((*clip)->EncodeImage(grey).ok());
   ASSERT_TRUE((*clip)->EncodeDense(grey).ok());
   ASSERT_TRUE((*clip)->EncodeText("photo").ok());
+  // A no-break space, an ideographic space and an entity are no words either.
+  for (const char* nothing : {"", "  ", "\u00a0", "\u3000", "&nbsp;"}) {
+    const auto blank = (*clip)->EncodeText(nothing);
+    ASSERT_TRUE(blank.ok()) << nothing;
+    EXPECT_FALSE(blank->has_words) << nothing;
+    EXPECT_EQ(EncodeWords(nothing, **clip).status().code(),
+              StatusCode::kInvalidArgument)
+        << nothing;
+  }
   EXPECT_EQ(*(*clip)->EncodeImage(*image), *first);
   EXPECT_EQ((*clip)->EncodeText("red apple")->values, text->values);
 }

@@ -2,6 +2,9 @@
 
 #include "semantics/clip/vocabulary.h"
 
+#include <string>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/semantics/clip/color_encoder.h"
@@ -37,6 +40,21 @@ TEST(VocabularyTest, TheLastGroupIsThatOfThings) {
   EXPECT_EQ(things->Thing(red).relevancy, things->BestOf(1, red).relevancy);
   EXPECT_EQ(colors->Thing(red).word, nullptr);
   EXPECT_EQ(none->num_groups(), 0u);
+}
+
+// An encoder to which no text says anything.
+class DeafEncoder : public ColorEncoder {
+ public:
+  StatusOr<TextEmbedding> EncodeText(const std::string&) override {
+    return InvalidArgumentError("there are no words in the text");
+  }
+};
+
+TEST(VocabularyTest, WordsOfTheModelAreNotTheUsersFault) {
+  DeafEncoder encoder;
+  const Status status = Vocabulary::Create({{"mug"}}, encoder).status();
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), testing::HasSubstr("model.json"));
 }
 
 }  // namespace

@@ -31,8 +31,7 @@ class QueryEngineTest : public testing::Test {
       scene.instances[static_cast<size_t>(id) - 1].background = true;
       scene.is_background[static_cast<size_t>(id) - 1] = 1;
     }
-    const auto answer =
-        FindAnswer(request_, messages_, pool_, &scene, &networks_);
+    const auto answer = FindAnswer(request_, pool_, &scene, &networks_);
     EXPECT_TRUE(answer.ok()) << answer.status().message();
     return answer.ok() ? *answer : QueryAnswer();
   }

@@ -199,6 +199,8 @@ TEST(AutomaticBudgetTest, FollowsPhotosAndMemory) {
   // Ten small photos.
   EXPECT_EQ(AutomaticBudget(3 * kMillion, large), 40000);
   EXPECT_EQ(AutomaticBudget(1000, large), 5000);
+  // Memory that is not known bounds nothing.
+  EXPECT_EQ(AutomaticBudget(30 * kMillion, 0), 400000);
   // A machine with half a gigabyte.
   const int64_t small = AutomaticBudget(300 * kMillion, 500 * kMillion);
   EXPECT_GT(small, 100000);
