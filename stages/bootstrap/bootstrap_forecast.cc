@@ -58,10 +58,10 @@ constexpr double kBytesPerPhotoPixel = 6;
 constexpr double kWorkMemory = 100e6;
 
 constexpr double kSeconds = 1.7;
-constexpr double kSecondsPerTeacher = 0.17;
+constexpr double kSecondsPerTeacher = 0.72;
 constexpr double kSecondsPerTeacherMegapixel = 0.07;
 constexpr double kSecondsPerMillion = 23;
-constexpr double kSerial = 0.43;
+constexpr double kSerial = 0.25;
 
 // The map of instances of a photo: drawing the Gaussians, then filling and
 // writing its pixels. All threads take part (stages/scene/instance_maps.cc).
