@@ -84,8 +84,7 @@ void Explain(const std::vector<ObjectQuality>& objects) {
 // A scene with each of its divisions into patches.
 using Divisions = std::vector<LearningScene>;
 
-// The hierarchy that the program takes at granularity 0, and the division that
-// it is of.
+// The hierarchy that the program takes, and the division that it is of.
 struct Chosen {
   semantics::Hierarchy hierarchy;
   size_t division = 0;

@@ -80,6 +80,7 @@ std::vector<double> QualityInTrees(const JudgedTree& tree,
   }
   return sum;
 }
+
 }  // namespace
 
 Status EvidenceClusteringOptions::Check() const {
@@ -163,8 +164,7 @@ size_t DivisionMostAgreedOn(std::span<const Hierarchy> hierarchies,
   const auto num_divisions = static_cast<int64_t>(hierarchies.size());
   pool.ParallelFor(0, num_divisions, 1, [&](int64_t first, int64_t last, int) {
     for (int64_t d = first; d < last; ++d) {
-      labels[d] = CutHierarchy(hierarchies[d], hierarchies[d].granularity)
-                      .label_of_gaussian;
+      labels[d] = CutHierarchy(hierarchies[d], 0).label_of_gaussian;
     }
   });
   pool.ParallelFor(0, num_divisions, 1, [&](int64_t first, int64_t last, int) {
@@ -224,12 +224,10 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
   FREEGS_RETURN_IF_ERROR(options.Check());
   std::vector<Hierarchy> hierarchies =
       BuildHierarchies(divisions, models, pool);
-  for (Hierarchy& hierarchy : hierarchies) {
-    hierarchy.granularity = options.granularity;
-  }
   const size_t chosen =
       DivisionMostAgreedOn(hierarchies, divisions[0].seen, pool);
   Hierarchy hierarchy = std::move(hierarchies[chosen]);
+  hierarchy.granularity = options.granularity;
   DropLonelyCrumbs(&hierarchy);
   for (int round = 0; round < kHazeRounds; ++round) {
     LabelNoise(model, haze_distance, pool, &hierarchy.part_of_gaussian);

@@ -59,9 +59,10 @@ std::vector<Hierarchy> BuildHierarchies(std::span<const ScenePatches> divisions,
                                         const LearntModels& models,
                                         ThreadPool& pool);
 
-// The division whose instances, at the granularity of the hierarchies, the
-// others agree with most (Agreement). Of equals the first one. seen: how many
-// pixels each Gaussian covers.
+// The division whose instances the others agree with most (Agreement). Of
+// equals the first one. It is chosen at granularity 0, so that the instances of
+// any granularity are cut from one tree. seen: how many pixels each Gaussian
+// covers.
 size_t DivisionMostAgreedOn(std::span<const Hierarchy> hierarchies,
                             std::span<const double> seen,
                             ThreadPool& pool);
