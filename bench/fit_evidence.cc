@@ -299,7 +299,8 @@ Status Learn(const Arguments& arguments) {
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<Divisions> training,
       LoadScenes(arguments.train, arguments.semantics, pool));
-  // One division of each scene teaches; the others would tell the same.
+  // One division of each scene teaches, as when the models that come with the
+  // program were learnt.
   std::vector<LearningScene> taught;
   for (const Divisions& scene : training) taught.push_back(scene[0]);
   FREEGS_ASSIGN_OR_RETURN(LearntModels models, semantics::DefaultModels());

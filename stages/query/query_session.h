@@ -30,9 +30,9 @@ class QuerySession {
   explicit QuerySession(std::filesystem::path workspace)
       : workspace_(std::move(workspace)) {}
 
-  // Returns what `query --json` prints. The workspace is read
-  // again when a stage has replaced the files. request.workspace is not looked
-  // at, request.out and request.cameras must be empty. The errors are those of
+  // Returns what `query --json` prints. The workspace is read again when a
+  // stage has replaced the files. request.workspace is not looked at,
+  // request.out and request.cameras must be empty. The errors are those of
   // LoadQueryScene and FindAnswer.
   StatusOr<nlohmann::json> Ask(QueryRequest request, ThreadPool& pool);
 
