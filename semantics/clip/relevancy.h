@@ -31,8 +31,8 @@ float Relevancy(std::span<const float> feature,
 StatusOr<TextEmbedding> EncodeWords(const std::string& text,
                                     ClipEncoder& encoder);
 
-// EncodeWords for words that the model brings. Where they cannot be encoded, the
-// model is to blame and not the user: kBadInput names the words.
+// EncodeWords for words that the model brings. Where they cannot be encoded,
+// the model is to blame and not the user: kBadInput names the words.
 StatusOr<TextEmbedding> EncodeModelText(const std::string& text,
                                         ClipEncoder& encoder);
 
