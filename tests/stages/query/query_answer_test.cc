@@ -83,10 +83,21 @@ TEST(QueryAnswerTest, JsonHasTheDocumentedNames) {
   EXPECT_EQ(json["hits"][0]["point"][2], 3);
   EXPECT_EQ(json["others"][0]["id"], 3);
   EXPECT_EQ(json["plane"]["id"], 9);
+  EXPECT_EQ(json["note"], "");
   EXPECT_EQ(json["masks"][0]["pixels"], 7);
   for (const char* name : {"load_ms", "encode_ms", "query_ms", "masks_ms"}) {
     EXPECT_TRUE(json["timings"].contains(name)) << name;
   }
+}
+
+TEST(QueryAnswerTest, JsonKeepsTheDoubtsAndTheBestOfAllScores) {
+  QueryAnswer answer = MakeAnswer(1, 0.45);
+  answer.note = "query: this is a guess\n";
+  // A part of what was clicked may weigh less than another instance.
+  answer.hits[0].score = 0.1;
+  const nlohmann::json json = ToJson(answer, Instances());
+  EXPECT_EQ(json["note"], "query: this is a guess\n");
+  EXPECT_EQ(json["best_score"], answer.others[0].score);
 }
 
 TEST(QueryAnswerTest, NothingFoundIsSaidPlainly) {
