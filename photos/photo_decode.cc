@@ -222,6 +222,7 @@ Status PhotoInspector::Decode(std::string_view bytes, InspectedPhoto* result) {
   photo.model = exif.model;
   photo.focal_length_mm = exif.focal_length_mm;
   photo.focal_length_35mm = exif.focal_length_35mm;
+  photo.digital_zoom = exif.digital_zoom;
   photo.focal_length_px =
       FocalLengthPixels(exif, pixels.width(), pixels.height());
   photo.converted = !IsPlainPhoto(header);

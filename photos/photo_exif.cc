@@ -24,6 +24,7 @@ constexpr uint16_t kPixelXDimension = 0xa002;
 constexpr uint16_t kPixelYDimension = 0xa003;
 constexpr uint16_t kFocalPlaneXResolution = 0xa20e;
 constexpr uint16_t kFocalPlaneResolutionUnit = 0xa210;
+constexpr uint16_t kDigitalZoomRatio = 0xa404;
 constexpr uint16_t kFocalLengthIn35mmFilm = 0xa405;
 
 using Tags = std::vector<TiffEntry>;
@@ -68,6 +69,8 @@ ExifTags ParseExif(std::string_view block) {
   exif.focal_length_mm = PositiveReal(*reader, *details, kFocalLength);
   exif.focal_length_35mm =
       PositiveReal(*reader, *details, kFocalLengthIn35mmFilm);
+  exif.digital_zoom =
+      PositiveReal(*reader, *details, kDigitalZoomRatio).value_or(1);
   const std::optional<double> x =
       PositiveReal(*reader, *details, kPixelXDimension);
   const std::optional<double> y =

@@ -17,6 +17,10 @@ struct ExifTags {
   std::optional<double> focal_length_mm;
   std::optional<double> focal_length_35mm;  // 35 mm equivalent.
 
+  // By how much the camera has enlarged a part of the image. Whether the 35 mm
+  // equivalent includes it differs from camera to camera.
+  double digital_zoom = 1;
+
   // Pixels of the image per millimetre on the sensor, and the longest side, in
   // pixels, of the image that this refers to.
   std::optional<double> focal_plane_pixels_per_mm;

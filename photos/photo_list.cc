@@ -43,6 +43,7 @@ json ToJson(const Photo& photo) {
   object["model"] = photo.model;
   object["focal_length_mm"] = OrNull(photo.focal_length_mm);
   object["focal_length_35mm"] = OrNull(photo.focal_length_35mm);
+  if (photo.digital_zoom != 1) object["digital_zoom"] = photo.digital_zoom;
   object["focal_length_px"] = OrNull(photo.focal_length_px);
   if (!photo.film.empty()) {
     object["film"] = photo.film;
@@ -78,6 +79,9 @@ Photo ReadPhoto(JsonObjectReader& reader) {
   photo.model = reader.Text("model");
   photo.focal_length_mm = optional_focal("focal_length_mm");
   photo.focal_length_35mm = optional_focal("focal_length_35mm");
+  if (reader.Has("digital_zoom")) {
+    photo.digital_zoom = reader.Number("digital_zoom", 0, kMaxNumber);
+  }
   photo.focal_length_px = optional_focal("focal_length_px");
   if (reader.Has("film")) {
     photo.film = reader.Text("film");

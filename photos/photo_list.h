@@ -68,6 +68,7 @@ struct Photo {
   std::string model;
   std::optional<double> focal_length_mm;
   std::optional<double> focal_length_35mm;
+  double digital_zoom = 1;
 
   // Focal length in pixels that EXIF implies.
   std::optional<double> focal_length_px;

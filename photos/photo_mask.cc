@@ -91,8 +91,15 @@ StatusOr<ImageU8> DecodeMask(std::string_view bytes,
       mask(x, y) = (value >= least) != invert ? kKeep : kIgnore;
     }
   }
+  // The size tells first, because an almost square photo has about the shape
+  // of the one that is stored.
   const bool on_its_side = photo.orientation >= 5;
-  if (!HasShapeOf(photo, mask) && on_its_side) {
+  const bool is_upright =
+      mask.width() == photo.width && mask.height() == photo.height;
+  const bool is_as_stored =
+      mask.width() == photo.height && mask.height() == photo.width;
+  if (on_its_side && !is_upright &&
+      (is_as_stored || !HasShapeOf(photo, mask))) {
     mask = Upright(mask, photo.orientation);
   }
   if (!HasShapeOf(photo, mask)) {

@@ -234,7 +234,8 @@ void AssignCameraGroups(std::vector<Photo>* photos) {
                       std::string,
                       std::string,
                       std::optional<double>,
-                      std::optional<double>>,
+                      std::optional<double>,
+                      double>,
            int>
       groups;
   for (Photo* photo : Usable(photos)) {
@@ -244,7 +245,8 @@ void AssignCameraGroups(std::vector<Photo>* photos) {
                                                     photo->make,
                                                     photo->model,
                                                     photo->focal_length_mm,
-                                                    photo->focal_length_35mm},
+                                                    photo->focal_length_35mm,
+                                                    photo->digital_zoom},
                                                    groups.size());
     photo->camera_group = group->second;
   }

@@ -16,7 +16,8 @@ enum TiffType : uint16_t {
   kAscii = 2,
   kShort = 3,
   kLong = 4,
-  kRational = 5
+  kRational = 5,
+  kIfd = 13  // A directory's offset (TIFF Technical Note 1), as LONG.
 };
 
 // Bytes per value, 0 for types that hold nothing we read.
@@ -28,6 +29,7 @@ int ValueBytes(uint16_t type) {
     case kShort:
       return 2;
     case kLong:
+    case kIfd:
       return 4;
     case kRational:
       return 8;
@@ -90,9 +92,7 @@ StatusOr<std::vector<TiffEntry>> TiffReader::Directory(size_t offset,
 std::optional<uint32_t> TiffReader::Unsigned(const TiffEntry& entry,
                                              uint32_t index) const {
   if (index >= entry.count) return std::nullopt;
-  if (entry.type != kByte && entry.type != kShort && entry.type != kLong) {
-    return std::nullopt;
-  }
+  if (entry.type == kAscii || entry.type == kRational) return std::nullopt;
   const int size = ValueBytes(entry.type);
   return Load(entry.offset + size_t{index} * size, size);
 }

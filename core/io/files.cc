@@ -156,6 +156,11 @@ Status CreateFolders(const fs::path& path) {
   return Status();
 }
 
+bool IsNameTaken(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::exists(std::filesystem::symlink_status(path, error));
+}
+
 bool IsNameBelowFolder(std::string_view name) {
   // The system would take what stands before a NUL for the whole name.
   if (name.find('\0') != std::string_view::npos) return false;

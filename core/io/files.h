@@ -45,6 +45,9 @@ std::string LowerSuffix(const std::filesystem::path& path);
 // Makes the folder and all missing folders above it.
 Status CreateFolders(const std::filesystem::path& path);
 
+// Whether there is anything of this name, also a link that leads nowhere.
+bool IsNameTaken(const std::filesystem::path& path);
+
 // Whether folder / name is a file below the folder, for a name that somebody
 // else wrote: relative, without "..", and not the name of a folder. Links are
 // not followed.

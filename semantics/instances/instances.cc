@@ -225,6 +225,20 @@ std::vector<Instance> BuildInstances(
   return instances;
 }
 
+Eigen::Vector3d BentToLevelCameras(std::span<const View> views,
+                                   const Eigen::Vector3d& up) {
+  // The given direction counts as much as x axes do that fan out by 4 degrees.
+  constexpr double kWeightOfUp = 0.005;
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+  for (const View& view : views) {
+    const Eigen::Vector3d right =
+        view.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitX();
+    matrix +=
+        right * right.transpose() + kWeightOfUp * Eigen::Matrix3d::Identity();
+  }
+  return matrix.ldlt().solve(up).normalized();
+}
+
 std::optional<Eigen::Vector3d> EstimateVertical(std::span<const View> views,
                                                 std::span<const Plane> planes) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -234,7 +248,7 @@ std::optional<Eigen::Vector3d> EstimateVertical(std::span<const View> views,
   if (views.empty() || sum.norm() < 0.3 * static_cast<double>(views.size())) {
     return std::nullopt;
   }
-  const Eigen::Vector3d up = sum.normalized();
+  const Eigen::Vector3d up = BentToLevelCameras(views, sum);
   for (const Plane& plane : planes) {
     const double cosine = plane.normal.dot(up);
     if (std::abs(cosine) > kMinVerticalCosine) {

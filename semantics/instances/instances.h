@@ -67,11 +67,18 @@ std::vector<Instance> BuildInstances(
     const InstanceBoxOptions& options,
     ThreadPool& pool);
 
-// Returns the upward direction of the scene. People hold cameras upright on
-// average, which gives a first direction. If the normal of a plane is within 30
-// degrees of it (floor or table top; the first such plane in `planes`), the
-// normal is taken, since it is more exact. Nothing if the cameras point in all
-// directions.
+// Bends an upward direction until it is at right angles to the x axes of the
+// cameras, as far as these point in different directions: people hold cameras
+// level, wherever they look.
+Eigen::Vector3d BentToLevelCameras(std::span<const View> views,
+                                   const Eigen::Vector3d& up);
+
+// Returns the upward direction of the scene. The mean of the cameras' own
+// upward directions gives a first one. It leans where they look down from one
+// side only, so it is bent (BentToLevelCameras). If the normal of a plane is
+// within 30 degrees of it (floor or table top; the first such plane in
+// `planes`), the normal is taken, since it is more exact. Nothing if the
+// cameras point in all directions.
 std::optional<Eigen::Vector3d> EstimateVertical(std::span<const View> views,
                                                 std::span<const Plane> planes);
 

@@ -95,16 +95,16 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
 // Overwrites the kind of camera, if `object` gives it. Where it has both
 // "is_fisheye" and "camera_model", the second one counts.
 Status ReadKind(const json& object, TransformsIntrinsics* result) {
-  const auto fisheye = object.find("is_fisheye");
-  if (fisheye != object.end()) {
+  const json* const fisheye = FindField(object, "is_fisheye");
+  if (fisheye != nullptr && !fisheye->is_null()) {
     if (!fisheye->is_boolean() && !fisheye->is_number_integer()) {
       return BadInputError("\"is_fisheye\" is neither true nor false");
     }
     result->fisheye = fisheye->is_boolean() ? fisheye->get<bool>()
                                             : fisheye->get<int64_t>() != 0;
   }
-  const auto model = object.find("camera_model");
-  if (model != object.end()) {
+  const json* const model = FindField(object, "camera_model");
+  if (model != nullptr && !model->is_null()) {
     const std::string name =
         model->is_string() ? model->get<std::string>() : "";
     const std::set<std::string> perspective = {"OPENCV",
@@ -187,8 +187,11 @@ StatusOr<TransformsFile> ParseTransforms(std::string_view text) {
   TransformsIntrinsics shared;
   FREEGS_RETURN_IF_ERROR(ReadKind(root, &shared));
   FREEGS_RETURN_IF_ERROR(ReadIntrinsics(root, &shared));
-  const bool has_kind =
-      root.contains("is_fisheye") || root.contains("camera_model");
+  const auto is_given = [&root](const char* key) {
+    const json* const field = FindField(root, key);
+    return field != nullptr && !field->is_null();
+  };
+  const bool has_kind = is_given("is_fisheye") || is_given("camera_model");
   const auto list = root.find("frames");
   if (list == root.end() || !list->is_array() || list->empty()) {
     return BadInputError("has no list \"frames\" with at least one frame");

@@ -34,7 +34,7 @@ constexpr double kStepsOfMedian = 65536;
 constexpr double kColorScale = 0.15;
 constexpr double kScaleSteps = 16;
 constexpr double kMinLogScale = -10;
-constexpr double kMaxLogScale = kMinLogScale + 255 / kScaleSteps;
+static_assert(kMaxSpzLogScale == kMinLogScale + 255 / kScaleSteps);
 constexpr int kRotationMax = 511;  // 9 bits and a sign.
 
 // Gaussians of less opacity are hardly seen.
@@ -96,7 +96,7 @@ StatusOr<int> FractionalBits(const GaussianModel& model) {
 // a tenth of the largest.
 bool SizeFits(const float* log_scales) {
   const auto [least, largest] = std::minmax_element(log_scales, log_scales + 3);
-  return *largest <= kMaxLogScale &&
+  return *largest <= kMaxSpzLogScale &&
          (*least >= kMinLogScale ||
           *largest >= kMinLogScale + std::numbers::ln10);
 }

@@ -18,6 +18,9 @@ namespace freegs::splat {
 // Readers of the format's gzip versions accept no more Gaussians than this.
 inline constexpr size_t kMaxSpzGaussians = 10'000'000;
 
+// The logarithm of the largest deviation that the format has.
+inline constexpr double kMaxSpzLogScale = 5.9375;
+
 struct SpzOptions {
   // Coefficients of higher degrees are left out, which makes the file smaller.
   int sh_degree = kMaxShDegree;

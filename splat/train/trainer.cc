@@ -17,6 +17,9 @@ namespace {
 // All parameters are checked for NaN and infinity after so many iterations.
 constexpr int64_t kFiniteTestInterval = 100;
 
+// Why a training goes back to its last good state.
+constexpr char kNotFinite[] = "a parameter is not a finite number";
+
 // A return to the last good state multiplies the learning rates by this.
 constexpr double kRecoveryRateFactor = 0.5;
 
@@ -245,9 +248,15 @@ std::optional<std::string> Trainer::FindTrouble(float loss) {
                         iteration_ % options_.snapshot_interval == 0 ||
                         schedule_.MilestoneAt(iteration_).has_value();
   if (!touched_finite_ || (test_all && !model_.AllFinite())) {
-    return "a parameter is not a finite number";
+    return kNotFinite;
   }
   return std::nullopt;
+}
+
+StatusOr<bool> Trainer::GoBackUnlessFinite() {
+  if (model().AllFinite()) return false;
+  FREEGS_RETURN_IF_ERROR(GoBack(kNotFinite));
+  return true;
 }
 
 Status Trainer::GoBack(const std::string& reason) {

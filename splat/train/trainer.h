@@ -171,6 +171,12 @@ class Trainer {
   // errors of Step.
   StatusOr<bool> FinishMilestone(const CancellationToken* cancellation);
 
+  // For whoever ends a training before its last step. Colours are tested for
+  // numbers that are not finite at some steps only. If model() has any now,
+  // training goes back to its last good state. Returns whether it did. Fails
+  // with kUnusableResult when training diverges too often.
+  StatusOr<bool> GoBackUnlessFinite();
+
   // Save returns all that Restore needs to go on from here, in a trainer made
   // with the same arguments. Restore fails with kBadInput when the arrays of
   // the checkpoint do not fit together. CheckpointView is Save without a copy,

@@ -194,7 +194,7 @@ BenchContext MakeBenchContext(const BenchRequest& request,
                               const BenchEnvironment& environment) {
   std::error_code error;
   BenchContext context;
-  context.out = fs::absolute(request.out, error).lexically_normal();
+  context.out = pipeline::AbsolutePath(request.out);
   context.program = fs::read_symlink("/proc/self/exe", error);
   context.time_limit_s = suite.time_limit_s;
   // A comparison is about the program of now.

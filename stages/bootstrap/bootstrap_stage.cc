@@ -50,7 +50,7 @@ class BootstrapStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
-  int version() const override { return 21; }
+  int version() const override { return 22; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {

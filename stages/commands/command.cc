@@ -62,13 +62,9 @@ Status CheckInputs(const fs::path& workspace,
   const pipeline::OptionTable table = MakeOptionTable(&options);
   std::vector<pipeline::OptionSetting> settings =
       RememberedSettings(workspace, info, table);
-  const fs::path config = pipeline::ConfigPath(workspace);
-  std::error_code error;
-  if (fs::exists(config, error)) {
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<pipeline::OptionSetting> given,
-                            table.ParseConfigFile(config));
-    settings.insert(settings.end(), given.begin(), given.end());
-  }
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<pipeline::OptionSetting> config,
+                          ConfigSettings(workspace, table));
+  settings.insert(settings.end(), config.begin(), config.end());
   for (const pipeline::OptionSetting& setting : settings) {
     if (!table.Find(setting.name)->spec.is_path) continue;
     const bool among = setting.name == "sfm.import"

@@ -215,8 +215,7 @@ Status CheckNothingHidesText(const fs::path& folder) {
                                  "frames.bin",
                                  "rigs.txt",
                                  "frames.txt"}) {
-    std::error_code error;
-    if (fs::exists(fs::symlink_status(folder / name, error))) {
+    if (IsNameTaken(folder / name)) {
       return InvalidArgumentError(
           folder.string() + ": holds a COLMAP model with " + name +
           ", which would hide the text files that are written; give another "

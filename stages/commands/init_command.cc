@@ -41,14 +41,13 @@ Status RunInitCommand(const std::vector<std::string>& arguments,
   // where, so it goes by these names.
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(
       workspace, {workspace / "photos", workspace / "images"}));
-  std::error_code error;
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(workspace));
   const std::pair<fs::path, std::string> files[] = {
       {pipeline::ConfigPath(workspace), ConfigTemplate()},
       {workspace / "README.md", WorkspaceReadme()},
   };
   for (const auto& [path, text] : files) {
-    if (fs::exists(path, error)) {
+    if (IsNameTaken(path)) {
       context.out << path.string() << ": is there already, left as it is\n";
       continue;
     }

@@ -119,15 +119,11 @@ StatusOr<std::vector<StoredOption>> StoredOptions(
   for (const auto& [name, value] : info.settings) {
     settings.push_back({name, value, "workspace.json"});
   }
-  std::error_code error;
-  const fs::path config = pipeline::ConfigPath(workspace);
-  if (fs::exists(config, error)) {
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<pipeline::OptionSetting> given,
-                            table.ParseConfigFile(config));
-    for (const pipeline::OptionSetting& setting : given) {
-      if (info.settings.contains(setting.name)) continue;
-      settings.push_back({setting.name, setting.value, "config.ini"});
-    }
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<pipeline::OptionSetting> config,
+                          ConfigSettings(workspace, table));
+  for (const pipeline::OptionSetting& setting : config) {
+    if (info.settings.contains(setting.name)) continue;
+    settings.push_back({setting.name, setting.value, "config.ini"});
   }
   std::vector<StoredOption> stored;
   for (const pipeline::OptionSetting& setting : settings) {

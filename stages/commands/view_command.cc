@@ -109,6 +109,9 @@ Status RunViewCommand(const std::vector<std::string>& arguments,
   FREEGS_RETURN_IF_ERROR(ParseViewRequest(arguments, &request, &options));
   AccessRules rules;
   rules.address = request.server.address;
+  FREEGS_ASSIGN_OR_RETURN(request.server.address,
+                          NumericAddress(rules.address));
+  if (IsNumericAddress(rules.address)) rules.address = request.server.address;
   if (!IsLoopback(rules.address)) {
     FREEGS_ASSIGN_OR_RETURN(rules.token, MakeToken());
     rules.host_name = HostName();
@@ -136,6 +139,11 @@ Status RunViewCommand(const std::vector<std::string>& arguments,
     }
   }
   while (!context.cancellation.cancelled()) {
+    if (!server->running()) {
+      return InternalError(
+          "the system takes no more connections for this server; start "
+          "freegs_pipeline view again");
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   server->Stop();

@@ -38,21 +38,10 @@ Eigen::Vector3d Forward(const View& view) {
   return view.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
 }
 
-// The mean upward direction of the cameras leans where they look down from one
-// side only. But people hold cameras level: the direction is bent until it is
-// at right angles to the cameras' x axes, as far as these say anything.
 Eigen::Vector3d UpOfViews(const std::vector<View>& views) {
-  constexpr double kWeightOfMean = 0.02;
-  const Eigen::Vector3d mean = semantics::EstimateVertical(views, {}).value_or(
-      -Eigen::Vector3d::UnitY());
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
-  for (const View& view : views) {
-    const Eigen::Vector3d right =
-        view.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitX();
-    matrix +=
-        right * right.transpose() + kWeightOfMean * Eigen::Matrix3d::Identity();
-  }
-  return matrix.ldlt().solve(mean).normalized();
+  const auto up = semantics::EstimateVertical(views, {});
+  return up ? *up
+            : semantics::BentToLevelCameras(views, -Eigen::Vector3d::UnitY());
 }
 
 // The point nearest to all optical axes. The origin, which is the middle of the

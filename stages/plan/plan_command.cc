@@ -21,6 +21,7 @@
 #include "pipeline/workspace.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/registry/stage_registry.h"
+#include "stages/run/workspace_folder.h"
 
 namespace freegs::stages {
 namespace {
@@ -68,16 +69,8 @@ Status CheckFolders(const fs::path& workspace,
                                ": no such workspace; for the plan of a new one "
                                "give --images IMAGES");
   }
-  FREEGS_RETURN_IF_ERROR(CheckPhotosPlace(workspace, images));
-  // Once stage ingest has read the photos, they are no longer needed. Another
-  // folder that is not there was mistyped.
-  const bool was_read =
-      images == remembered &&
-      fs::exists(pipeline::StageFolder(workspace, "ingest"), error);
-  if (!fs::exists(images, error) && !was_read) {
-    return BadInputError(images.string() + ": no such folder of photos");
-  }
-  return Status();
+  FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(workspace, {images}));
+  return CheckImagesFolder(images, remembered, workspace);
 }
 
 json PlanJson(const fs::path& workspace,

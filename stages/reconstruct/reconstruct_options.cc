@@ -113,7 +113,8 @@ void RegisterDensificationOptions(ReconstructStageOptions& options,
       {.help = "Upper bound of the number of Gaussians of the result. "
                "auto: one for 75 pixels of the training photos; most "
                "scenes end with fewer. auto:N: that, but at most N. 0 is "
-               "no bound.",
+               "no bound. gradient and none keep all initial points, "
+               "however many.",
        .accepts =
            [](const std::string& text) { return ReadBudget(text).has_value(); },
        .allowed = AllowedBudgets()});

@@ -77,6 +77,12 @@ class TrainingRun {
     FREEGS_RETURN_IF_ERROR(FinishLastStep());
     while (!trainer_->done()) {
       if (TimeIsUp()) {
+        FREEGS_ASSIGN_OR_RETURN(const bool went_back,
+                                trainer_->GoBackUnlessFinite());
+        if (went_back) {
+          FREEGS_RETURN_IF_ERROR(ForgetWhatDiverged());
+          continue;
+        }
         context_->log(LogLevel::kWarning,
                       "the time is up; training ends after " +
                           std::to_string(trainer_->iteration()) + " of " +

@@ -2,9 +2,9 @@
 
 #include "stages/registry/pipeline_options.h"
 
-#include <system_error>
 #include <utility>
 
+#include "core/io/files.h"
 #include "stages/registry/presets.h"
 #include "stages/registry/query_options.h"
 
@@ -72,16 +72,19 @@ OptionTable MakeOptionTable(PipelineOptions* options) {
   return table;
 }
 
+StatusOr<std::vector<OptionSetting>> ConfigSettings(
+    const std::filesystem::path& workspace, const OptionTable& table) {
+  const std::filesystem::path path = pipeline::ConfigPath(workspace);
+  if (!IsNameTaken(path)) return std::vector<OptionSetting>();
+  return table.ParseConfigFile(path);
+}
+
 Status ApplySettings(const std::filesystem::path& workspace,
                      const std::vector<OptionSetting>& command_line,
                      OptionTable& table,
                      const std::vector<OptionSetting>& chosen) {
-  const std::filesystem::path path = pipeline::ConfigPath(workspace);
-  std::vector<OptionSetting> config;
-  std::error_code error;
-  if (std::filesystem::exists(path, error)) {
-    FREEGS_ASSIGN_OR_RETURN(config, table.ParseConfigFile(path));
-  }
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<OptionSetting> config,
+                          ConfigSettings(workspace, table));
   OptionSetting preset{
       "general.preset", table.Find("general.preset")->value(), "default"};
   for (const auto* settings : {&std::as_const(config), &command_line}) {

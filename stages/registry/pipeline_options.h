@@ -62,6 +62,11 @@ struct PipelineOptions {
 // Makes the table of all options; `options` must outlive it.
 pipeline::OptionTable MakeOptionTable(PipelineOptions* options);
 
+// Returns the settings of WORKSPACE/config.ini, none if there is no such file.
+// kBadInput for one that cannot be read, also for a link that leads nowhere.
+StatusOr<std::vector<pipeline::OptionSetting>> ConfigSettings(
+    const std::filesystem::path& workspace, const pipeline::OptionTable& table);
+
 // Sets the options of a table from MakeOptionTable. Later sources override
 // earlier ones: the preset (named on the command line, else in config.ini, else
 // the default one), then WORKSPACE/config.ini if it exists, then the command

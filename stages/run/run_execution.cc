@@ -209,14 +209,24 @@ namespace {
 
 StatusOr<bool> ConfigHasPreset(const std::filesystem::path& workspace,
                                const OptionTable& table) {
-  const std::filesystem::path path = pipeline::ConfigPath(workspace);
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return false;
   FREEGS_ASSIGN_OR_RETURN(const std::vector<OptionSetting> config,
-                          table.ParseConfigFile(path));
+                          ConfigSettings(workspace, table));
   return std::ranges::any_of(config, [](const OptionSetting& setting) {
     return setting.name == "general.preset";
   });
+}
+
+// kInvalidArgument where config.ini says how long a training shall be. Even if
+// it says what --at-least tries first, a longer training may follow.
+Status CheckConfigLeavesTraining(const std::filesystem::path& workspace) {
+  PipelineOptions options;
+  const OptionTable table = MakeOptionTable(&options);
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<OptionSetting> config,
+                          ConfigSettings(workspace, table));
+  for (const OptionSetting& setting : config) {
+    if (IsChosenByPsnr(setting.name)) return ChosenByPsnrError(setting.name);
+  }
+  return Status();
 }
 
 // What becomes of a choice where the user decided otherwise.
@@ -310,6 +320,7 @@ Status ExecuteAtLeast(double psnr,
                       const RunRequest& request,
                       std::ostream& err,
                       const CancellationToken& cancellation) {
+  FREEGS_RETURN_IF_ERROR(CheckConfigLeavesTraining(request.workspace));
   FREEGS_RETURN_IF_ERROR(Recover(request.workspace));
   pipeline::Logger logger(
       err, pipeline::IsTerminal(err), pipeline::LogPath(request.workspace));

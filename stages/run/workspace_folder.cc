@@ -7,8 +7,11 @@
 #include <system_error>
 
 #include "core/io/files.h"
+#include "photos/photo_scan.h"
 #include "pipeline/fingerprint.h"
+#include "pipeline/stage_record.h"
 #include "pipeline/workspace.h"
+#include "stages/registry/stage_registry.h"
 
 namespace freegs::stages {
 
@@ -83,6 +86,39 @@ Status CheckWorkspaceFolder(const fs::path& workspace,
                        ": holds other files and is not a workspace; give a "
                        "workspace, or, to make one, a new or empty folder (run "
                        "IMAGES WORKSPACE)");
+}
+
+Status CheckImagesFolder(const fs::path& images,
+                         const fs::path& remembered,
+                         const fs::path& workspace) {
+  FREEGS_RETURN_IF_ERROR(CheckPhotosPlace(workspace, images));
+  std::error_code error;
+  if (fs::is_directory(images, error)) {
+    if (IsWithin(workspace, images)) {
+      return InvalidArgumentError(
+          workspace.string() +
+          ": the workspace lies inside the photo folder; its own pictures "
+          "would be taken for photos. Give a folder outside " +
+          images.string());
+    }
+    return Status();
+  }
+  if (fs::is_regular_file(images, error) && photos::HasFilmExtension(images)) {
+    return Status();
+  }
+  // Once stage ingest has read the photos, they are no longer needed. Another
+  // folder that is not there was mistyped.
+  if (images == remembered &&
+      pipeline::ReadStageRecord(pipeline::StageFolder(workspace, "ingest"))
+          .ok()) {
+    return Status();
+  }
+  return BadInputError(
+      images.string() +
+      (fs::exists(images, error)
+           ? ": not a folder and not a film; give the folder of "
+             "the photos, or a film such as a.mp4"
+           : ": no such folder of photos, and no such film"));
 }
 
 }  // namespace freegs::stages

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a folder is a workspace.
+// Whether a folder is a workspace, and whether photos can be read for it.
 
 #ifndef FREEGS_STAGES_RUN_WORKSPACE_FOLDER_H_
 #define FREEGS_STAGES_RUN_WORKSPACE_FOLDER_H_
@@ -19,6 +19,16 @@ namespace freegs::stages {
 Status CheckWorkspaceFolder(
     const std::filesystem::path& workspace,
     const std::vector<std::filesystem::path>& photos = {});
+
+// Whether the stages can read the photos, a folder or a film, for this
+// workspace. `remembered`, which may be empty, are the photos that the
+// workspace was made of: once stage ingest has read them, they are no longer
+// needed. kBadInput for what is not there or neither; kInvalidArgument for a
+// workspace inside the folder of its photos, or photos in the folder of a
+// stage.
+Status CheckImagesFolder(const std::filesystem::path& images,
+                         const std::filesystem::path& remembered,
+                         const std::filesystem::path& workspace);
 
 }  // namespace freegs::stages
 

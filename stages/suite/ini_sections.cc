@@ -39,7 +39,16 @@ StatusOr<std::string> WithoutComments(const std::string& text,
         return LineError(source, number, "holds a control character");
       }
     }
-    line = Trimmed(line.substr(0, line.find('#')));
+    const size_t comment = line.find('#');
+    if (comment != std::string::npos && line.find('=') < comment &&
+        line[comment - 1] != ' ' && line[comment - 1] != '\t') {
+      // The value would be cut without a word.
+      return LineError(source,
+                       number,
+                       "# begins a comment: write a blank before it; no value "
+                       "can hold one");
+    }
+    line = Trimmed(line.substr(0, comment));
     if (line.starts_with('[')) {
       if (!line.ends_with(']')) {
         return LineError(source, number, "a section is [KIND] or [KIND NAME]");

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "core/io/files.h"
+#include "pipeline/workspace.h"
 #include "stages/suite/ini_sections.h"
 #include "stages/suite/section_reader.h"
 
@@ -100,7 +101,7 @@ Status ReadScene(const IniSection& section, Suite* suite) {
   scene.name = section.name;
   const auto path = [suite](fs::path* target) {
     return [suite, target](const std::string& value) {
-      *target = (suite->folder / value).lexically_normal();
+      *target = pipeline::AbsolutePath(suite->folder / value);
       // "photos/shelf/" is the same folder as "photos/shelf".
       if (!target->has_filename()) *target = target->parent_path();
       return value.empty() ? InvalidArgumentError("no path") : Status();

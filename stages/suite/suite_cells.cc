@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pipeline/option_table.h"
+#include "pipeline/workspace.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/registry/stage_registry.h"
 
@@ -81,7 +82,7 @@ class SettingTaker {
     if (value.empty() || value.find(kSceneVariable) != std::string::npos) {
       return value;
     }
-    return (suite_.folder / value).lexically_normal().string();
+    return pipeline::AbsolutePath(suite_.folder / value).string();
   }
 
   const Suite& suite_;

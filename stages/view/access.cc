@@ -108,7 +108,46 @@ bool IsJson(const std::string& content_type) {
   return type.substr(0, type.find_last_not_of(" \t") + 1) == "application/json";
 }
 
+// What getaddrinfo makes of a host, as a number; empty if it knows none.
+std::string Resolved(const std::string& host, int flags) {
+  addrinfo hints = {};
+  hints.ai_family = AF_UNSPEC;
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = flags;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(host.c_str(), nullptr, &hints, &found) != 0) return "";
+  char text[NI_MAXHOST] = {};
+  const int error = getnameinfo(found->ai_addr,
+                                found->ai_addrlen,
+                                text,
+                                sizeof(text),
+                                nullptr,
+                                0,
+                                NI_NUMERICHOST);
+  freeaddrinfo(found);
+  return error == 0 ? text : "";
+}
+
 }  // namespace
+
+StatusOr<std::string> NumericAddress(const std::string& host) {
+  const std::string address = Resolved(host, AI_PASSIVE);
+  if (address.empty()) {
+    return InvalidArgumentError(host +
+                                ": neither an address nor the name of one");
+  }
+  if (address.find('%') != std::string::npos) {
+    return InvalidArgumentError(
+        host +
+        ": browsers cannot name an address with an interface; give "
+        "another one, or :: for all");
+  }
+  return address;
+}
+
+bool IsNumericAddress(const std::string& host) {
+  return !Resolved(host, AI_NUMERICHOST).empty();
+}
 
 bool IsLoopback(const std::string& address) {
   return address == "localhost" || address == "::1" ||

@@ -39,15 +39,18 @@ LiveQueries::LiveQueries(const std::filesystem::path& workspace,
       session_(workspace) {}
 
 HttpResponse LiveQueries::Answer(std::string_view body) {
-  StatusOr<QueryRequest> request = ParseQueryBody(body, defaults_);
-  if (!request.ok()) return ErrorResponse(400, request.status().message());
+  StatusOr<PageQuestion> question = ParseQueryBody(body, defaults_);
+  if (!question.ok()) return ErrorResponse(400, question.status().message());
   const Turns::Turn turn(&turns_);
   if (!turn) {
     return BusyResponse(
         "other questions are being answered; ask again in a few seconds");
   }
+  if (const Status status = DecodePicture(&*question); !status.ok()) {
+    return ErrorResponse(400, status.message());
+  }
   const StatusOr<nlohmann::json> answer =
-      session_.Ask(*std::move(request), pool_);
+      session_.Ask(std::move(question->request), pool_);
   if (!answer.ok()) {
     return ErrorResponse(HttpStatusOf(answer.status()),
                          answer.status().message());

@@ -38,17 +38,15 @@ Status ReadTextQuestion(const json& value, QueryRequest* request) {
   return Status();
 }
 
-Status ReadExampleQuestion(const json& value, QueryRequest* request) {
+Status ReadExampleQuestion(const json& value, PageQuestion* question) {
   FREEGS_ASSIGN_OR_RETURN(const std::string text, ReadText(&value, "example"));
-  const StatusOr<std::string> bytes = DecodeBase64(text);
+  StatusOr<std::string> bytes = DecodeBase64(text);
   if (!bytes.ok()) return bytes.status().Annotated("example");
   if (!bytes->starts_with("\xff\xd8") && !bytes->starts_with("\x89PNG")) {
     return InvalidArgumentError("example: is neither a JPEG nor a PNG file");
   }
-  StatusOr<UprightPhoto> photo = DecodeUprightPhoto(*bytes, kMaxMegapixels);
-  if (!photo.ok()) return photo.status().Annotated("example");
-  request->example = "picture";
-  request->example_pixels = std::move(photo->pixels);
+  question->request.example = "picture";
+  question->picture = *std::move(bytes);
   return Status();
 }
 
@@ -73,16 +71,17 @@ Status ReadClickQuestion(const json& value, QueryRequest* request) {
   return Status();
 }
 
-Status ReadBody(std::string_view body, QueryRequest* request) {
-  FREEGS_ASSIGN_OR_RETURN(const json question, ParseJsonObject(body));
+Status ReadBody(std::string_view body, PageQuestion* question) {
+  QueryRequest* const request = &question->request;
+  FREEGS_ASSIGN_OR_RETURN(const json members, ParseJsonObject(body));
   int questions = 0;
-  for (const auto& [name, value] : question.items()) {
+  for (const auto& [name, value] : members.items()) {
     if (name == "text") {
       ++questions;
       FREEGS_RETURN_IF_ERROR(ReadTextQuestion(value, request));
     } else if (name == "example") {
       ++questions;
-      FREEGS_RETURN_IF_ERROR(ReadExampleQuestion(value, request));
+      FREEGS_RETURN_IF_ERROR(ReadExampleQuestion(value, question));
     } else if (name == "click") {
       ++questions;
       FREEGS_RETURN_IF_ERROR(ReadClickQuestion(value, request));
@@ -105,13 +104,24 @@ Status ReadBody(std::string_view body, QueryRequest* request) {
 
 }  // namespace
 
-StatusOr<QueryRequest> ParseQueryBody(std::string_view body,
+StatusOr<PageQuestion> ParseQueryBody(std::string_view body,
                                       const QueryRequest& defaults) {
-  QueryRequest request = defaults;
-  const Status status = ReadBody(body, &request);
+  PageQuestion question{.request = defaults, .picture = {}};
+  const Status status = ReadBody(body, &question);
   // Whatever is wrong, the page has asked wrongly.
   if (!status.ok()) return InvalidArgumentError(status.message());
-  return request;
+  return question;
+}
+
+Status DecodePicture(PageQuestion* question) {
+  if (question->picture.empty()) return Status();
+  StatusOr<UprightPhoto> photo =
+      DecodeUprightPhoto(question->picture, kMaxMegapixels);
+  if (!photo.ok()) {
+    return InvalidArgumentError("example: " + photo.status().message());
+  }
+  question->request.example_pixels = std::move(photo->pixels);
+  return Status();
 }
 
 }  // namespace freegs::stages

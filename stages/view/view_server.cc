@@ -3,6 +3,7 @@
 #include "stages/view/view_server.h"
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <chrono>
 #include <cstdint>
@@ -174,6 +175,14 @@ class HttplibServer : public ViewServer, private httplib::Server {
                 const httplib::ContentReader& reader) {
            WithBody(request, reader, &answer);
          });
+    // Of what the library refuses by itself.
+    set_error_handler([](const httplib::Request&, httplib::Response& answer) {
+      if (!answer.body.empty()) return;
+      ToLibrary(ErrorResponse(answer.status,
+                              "this is no request that the server knows, or a "
+                              "line of it is longer than 8 kB"),
+                &answer);
+    });
     set_exception_handler(
         [](const httplib::Request&, httplib::Response& answer, const auto&) {
           ToLibrary(ErrorResponse(500,
@@ -209,11 +218,16 @@ class HttplibServer : public ViewServer, private httplib::Server {
 
   void Start(HttpHandler* handler) override {
     handler_ = handler;
-    thread_ = std::thread([this] { listen_after_bind(); });
-    while (!is_running()) {
+    thread_ = std::thread([this] {
+      listen_after_bind();
+      ended_ = true;
+    });
+    while (!is_running() && !ended_) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }
+
+  bool running() const override { return is_running() && !ended_; }
 
   void Stop() override {
     if (!thread_.joinable()) return;
@@ -300,6 +314,7 @@ class HttplibServer : public ViewServer, private httplib::Server {
   int port_ = 0;
   OpenSockets sockets_;
   std::thread thread_;
+  std::atomic<bool> ended_ = false;  // The thread accepts no more connections.
 };
 
 }  // namespace

@@ -75,6 +75,9 @@ class ViewServer {
   // Serves in threads of its own until Stop. `handler` must outlive that.
   virtual void Start(HttpHandler* handler) = 0;
 
+  // False after Stop, and when the system takes no more connections for it.
+  virtual bool running() const = 0;
+
   // Closes all connections and returns when no handler is at work any more.
   // Nothing happens when it has not started or is stopped.
   virtual void Stop() = 0;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <system_error>
@@ -34,6 +35,10 @@ constexpr int32_t kNoPart = 65535;
 // coordinates of a part then have at least 8 bits of fraction: .spz has 24 bits
 // for the farthest of them.
 constexpr float kFarthest = 32767;
+
+// Nothing is brought nearer than this, about a hundred times as far away as
+// what cameras usually look at.
+constexpr float kFar = 500;
 
 json Vector(const Eigen::Vector3d& v) {
   return json::array({v.x(), v.y(), v.z()});
@@ -140,18 +145,26 @@ json LevelsJson(const ViewerLevels& levels) {
   return result;
 }
 
-// Brings Gaussians that are very far away nearer, and makes them smaller by the
-// same factor. From the cameras, which are near the origin, they look the same.
+// Brings Gaussians that are very far away, or far away and too large for the
+// format, nearer, and makes them smaller by the same factor. From the cameras,
+// which are near the origin, they look the same.
 void BringNearer(splat::GaussianModel* model) {
   for (size_t g = 0; g < model->size(); ++g) {
     float distance = 0;
+    float log_scale = -std::numeric_limits<float>::infinity();
     for (size_t k = 3 * g; k < 3 * g + 3; ++k) {
       distance = std::max(distance, std::abs(model->means[k]));
+      log_scale = std::max(log_scale, model->log_scales[k]);
     }
-    if (distance <= kFarthest) continue;
+    if (distance <= kFar) continue;
+    const float fits =
+        distance *
+        std::exp(std::min(0.0f, float{splat::kMaxSpzLogScale} - log_scale));
+    const float nearer = std::clamp(fits, kFar, kFarthest);
+    if (nearer >= distance) continue;
     for (size_t k = 3 * g; k < 3 * g + 3; ++k) {
-      model->means[k] *= kFarthest / distance;
-      model->log_scales[k] += std::log(kFarthest / distance);
+      model->means[k] *= nearer / distance;
+      model->log_scales[k] += std::log(nearer / distance);
     }
   }
 }

@@ -73,16 +73,19 @@ Reader RequestPath() {
 Reader QuestionBody() {
   return {
       [](std::string_view bytes) {
-        const auto request = stages::ParseQueryBody(bytes, {});
-        if (!request.ok()) {
-          Require(!request.status().message().empty());
+        auto question = stages::ParseQueryBody(bytes, {});
+        if (!question.ok()) {
+          Require(!question.status().message().empty());
           return;
         }
+        const bool decoded = stages::DecodePicture(&*question).ok();
+        const auto* const request = &question->request;
         Require(request->text.has_value() + request->example.has_value() +
                     request->click.has_value() ==
                 1);
         Require(request->max_hits >= 0 && request->out.empty());
-        Require(!request->example || !request->example_pixels.empty());
+        Require(!decoded || !request->example ||
+                !request->example_pixels.empty());
       },
       [] {
         // A grey PNG of one pixel.

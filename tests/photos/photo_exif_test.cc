@@ -34,6 +34,25 @@ TEST(PhotoExifTest, ReadsTagsInBothByteOrders) {
   }
 }
 
+// So libtiff writes it.
+TEST(PhotoExifTest, TheExifDirectoryMayHaveATypeOfItsOwn) {
+  std::string block = MakeExif({.focal_mm_tenths = 42});
+  const std::string as_long = Bytes(0x8769, 2, true) + Bytes(4, 2, true);
+  const size_t at = block.find(as_long);
+  ASSERT_NE(at, std::string::npos);
+  block.replace(at + 2, 2, Bytes(13, 2, true));
+  EXPECT_DOUBLE_EQ(ParseExif(block).focal_length_mm.value_or(0), 4.2);
+}
+
+TEST(PhotoExifTest, DigitalZoom) {
+  EXPECT_EQ(ParseExif(MakeExif({.focal_35mm = 26})).digital_zoom, 1);
+  EXPECT_EQ(ParseExif(MakeExif({.zoom_tenths = 30})).digital_zoom, 3);
+  // 0 says that there is none.
+  std::string none = MakeExif({.zoom_tenths = 30});
+  none.replace(none.size() - 8, 4, std::string(4, '\0'));
+  EXPECT_EQ(ParseExif(none).digital_zoom, 1);
+}
+
 TEST(PhotoExifTest, MissingOrAbsurdTagsStayAtTheirDefaults) {
   for (const std::string& block : {std::string(),
                                    std::string("II"),

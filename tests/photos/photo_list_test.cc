@@ -42,6 +42,7 @@ PhotoList MakeList() {
   b.file = b.name = "sub/ü.png";
   b.split = PhotoSplit::kHoldout;
   b.focal_length_px.reset();
+  b.digital_zoom = 1.5;
   Photo c;
   c.file = "bad.jpg";
   c.split = PhotoSplit::kRejected;
@@ -91,6 +92,7 @@ TEST(PhotoListTest, RoundTrip) {
     EXPECT_EQ(a.model, b.model);
     EXPECT_EQ(a.focal_length_mm, b.focal_length_mm);
     EXPECT_EQ(a.focal_length_35mm, b.focal_length_35mm);
+    EXPECT_EQ(a.digital_zoom, b.digital_zoom);
     EXPECT_EQ(a.focal_length_px, b.focal_length_px);
     EXPECT_EQ(a.split, b.split);
     EXPECT_EQ(a.reason, b.reason);

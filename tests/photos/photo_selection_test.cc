@@ -211,7 +211,8 @@ TEST(AssignHoldoutTest, TwoMustBeLeftForTraining) {
 }
 
 TEST(AssignCameraGroupsTest, GroupsBySizeCameraAndFocalLength) {
-  std::vector<Photo> photos = MakePhotos(7);
+  std::vector<Photo> photos = MakePhotos(8);
+  photos[7].digital_zoom = 3;
   photos[1].width = 41;
   photos[3].model = "M";
   photos[4].focal_length_mm = 4.2;
@@ -219,7 +220,7 @@ TEST(AssignCameraGroupsTest, GroupsBySizeCameraAndFocalLength) {
   AssignCameraGroups(&photos);
   std::vector<int> groups;
   for (const Photo& photo : photos) groups.push_back(photo.camera_group);
-  EXPECT_THAT(groups, ElementsAre(0, 1, 0, 2, 3, -1, 0));
+  EXPECT_THAT(groups, ElementsAre(0, 1, 0, 2, 3, -1, 0, 4));
 }
 
 }  // namespace

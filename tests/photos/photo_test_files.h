@@ -67,6 +67,7 @@ struct ExifFields {
   std::string make = {};
   std::string model = {};
   int focal_mm_tenths = 0;
+  int zoom_tenths = 0;  // Digital zoom.
   int focal_35mm = 0;
   int focal_plane_per_cm = 0;
   int pixel_width = 0;
@@ -110,6 +111,10 @@ inline std::string MakeExif(const ExifFields& fields, bool little = true) {
     exif.push_back(
         {0xa20e, 5, 1, number(fields.focal_plane_per_cm, 4) + number(1, 4)});
     exif.push_back({0xa210, 3, 1, number(3, 2)});
+  }
+  if (fields.zoom_tenths != 0) {
+    exif.push_back(
+        {0xa404, 5, 1, number(fields.zoom_tenths, 4) + number(10, 4)});
   }
   if (fields.focal_35mm != 0) {
     exif.push_back({0xa405, 3, 1, number(fields.focal_35mm, 2)});

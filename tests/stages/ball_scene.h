@@ -123,8 +123,15 @@ class BallScene : public testing::Test {
           scene_from_truth * Eigen::Vector3d(true_model_.means[3 * i],
                                              true_model_.means[3 * i + 1],
                                              true_model_.means[3 * i + 2]);
+      const float* q = true_model_.rotations.data() + 4 * i;
+      const Eigen::Quaterniond turned =
+          scene_from_truth.rotation *
+          Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+      scene.model.rotations[4 * i] = static_cast<float>(turned.w());
       for (int axis = 0; axis < 3; ++axis) {
         scene.model.means[3 * i + axis] = static_cast<float>(mean[axis]);
+        scene.model.rotations[4 * i + 1 + axis] =
+            static_cast<float>(turned.vec()[axis]);
         scene.model.log_scales[3 * i + axis] +=
             static_cast<float>(std::log(scene_from_truth.scale));
       }

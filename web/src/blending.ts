@@ -232,8 +232,9 @@ export function pickLabel(
 }
 
 /**
- * 1 where Gaussians that are `chosen` make up more than half of what a pixel
- * shows, else 0; row by row. Gaussians that are not `visible` are left out.
+ * 1 where Gaussians that are `chosen` cover at least half of a pixel, as in the
+ * masks of the program, else 0; row by row. Gaussians that are not `visible` are
+ * left out.
  */
 export function renderMask(
   gaussians: Gaussians,
@@ -269,8 +270,7 @@ export function renderMask(
   }
   const mask = new Uint8Array(width * height);
   for (let i = 0; i < mask.length; ++i) {
-    const shown = 1 - transmittance[i];
-    mask[i] = shown > 0.05 && weight[i] > 0.5 * shown ? 1 : 0;
+    mask[i] = weight[i] >= MIN_WEIGHT ? 1 : 0;
   }
   return mask;
 }

@@ -122,6 +122,32 @@ TEST(InstancesTest, LabelsWithFewOrNoMembers) {
   EXPECT_TRUE(instances[2].centre.allFinite());
 }
 
+TEST(InstancesTest, ABoxHoldsALongGaussianAsItIsTurned) {
+  SyntheticGaussians scene;
+  scene.Add({1, 2, 3}, {0, 0, 0}, 0.1, 0.9, 0);
+  scene.model.log_scales[0] = std::log(0.4f);
+  constexpr double kTurn = std::numbers::pi / 6;  // About z.
+  scene.model.rotations = {static_cast<float>(std::cos(kTurn / 2)),
+                           0,
+                           0,
+                           static_cast<float>(std::sin(kTurn / 2))};
+  ThreadPool pool(1);
+  const auto instances = BuildInstances(scene.model,
+                                        scene.truth,
+                                        1,
+                                        {},
+                                        {},
+                                        Eigen::Vector3d(0, 0, 1),
+                                        InstanceBoxOptions(),
+                                        pool);
+  ASSERT_EQ(instances.size(), 1u);
+  const OrientedBox& box = instances[0].obb;
+  const int longer = box.size[0] > box.size[1] ? 0 : 1;
+  EXPECT_NEAR(box.size[longer], 0.8, 1e-4);
+  const Eigen::Vector3d along(std::cos(kTurn), std::sin(kTurn), 0);
+  EXPECT_NEAR(std::abs(box.rotation.col(longer).dot(along)), 1, 1e-4);
+}
+
 View LevelView(double heading, double pitch) {
   View view;
   // Camera axes in a world with z up: x right, y down, z forward.
@@ -148,9 +174,24 @@ TEST(InstancesTest, VerticalComesFromCamerasAndAPlane) {
   EXPECT_NEAR(exact->z(), 1, 1e-12);
 }
 
+// All photos are taken from one side, and look down.
+TEST(InstancesTest, VerticalIsThatOfLevelCameras) {
+  std::vector<View> views;
+  for (const double heading : {-0.6, -0.3, 0.0, 0.3, 0.6}) {
+    views.push_back(LevelView(heading, -0.8));
+  }
+  EXPECT_GT(EstimateVertical(views, {})->z(), 0.98);
+  std::vector<Plane> floor(1);
+  floor[0].normal = Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR(EstimateVertical(views, floor)->z(), 1, 1e-12);
+  // Where the x axes are parallel they say nothing of how cameras are pitched.
+  views = {LevelView(0, -0.3), LevelView(0, -0.3)};
+  EXPECT_NEAR(EstimateVertical(views, {})->z(), std::cos(0.3), 1e-6);
+}
+
 TEST(InstancesTest, VerticalOfBoxesIsThatOfTheFloor) {
   std::vector<View> views;
-  for (int i = 0; i < 3; ++i) views.push_back(LevelView(0.1 * i, -0.4));
+  for (int i = 0; i < 3; ++i) views.push_back(LevelView(0.01 * i, -0.4));
   EXPECT_LT(VerticalOfBoxes(views, {})->z(), 0.95);
   std::vector<Instance> instances(1);
   const Eigen::Matrix3d turned =
@@ -161,7 +202,7 @@ TEST(InstancesTest, VerticalOfBoxesIsThatOfTheFloor) {
   EXPECT_NEAR(VerticalOfBoxes(views, instances)->z(), 1, 1e-12);
   // A box that leans too much says nothing.
   instances[0].obb.rotation =
-      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 1, 0).normalized())
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(-1, 1, 0).normalized())
           .toRotationMatrix();
   EXPECT_EQ(VerticalOfBoxes(views, instances), EstimateVertical(views, {}));
 }

@@ -68,6 +68,36 @@ TEST(ClickQueryTest, ThePointLiesOnTheRayAtTheInstancesDepth) {
   EXPECT_NEAR(seen.z(), pose.translation.z(), 1e-6);
 }
 
+// Two instances show in one pixel, one behind the other.
+TEST(ClickQueryTest, EachPointLiesAtItsOwnInstancesDepth) {
+  ThreadPool pool(1);
+  const Pinhole camera = splat::TestCamera(40, 30);
+  const Rigid3d pose = splat::TestPose();
+  splat::GaussianModel model;
+  model.Resize(2);
+  for (float& scale : model.log_scales) scale = std::log(0.4f);
+  model.rotations[0] = model.rotations[4] = 1;
+  model.opacity_logits = {0, 6};
+  const Eigen::Vector3d behind =
+      pose.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  for (int k = 0; k < 3; ++k) {
+    model.means[3 + k] = static_cast<float>(behind[k]);
+  }
+  const auto hits = QueryClick(model,
+                               std::vector<int32_t>{6, 2},
+                               {"", camera, pose},
+                               {},
+                               {20, 15},
+                               pool);
+  ASSERT_TRUE(hits.ok());
+  ASSERT_EQ(hits->size(), 2u);
+  for (const ClickHit& hit : *hits) {
+    EXPECT_NEAR((pose * hit.point).z(),
+                pose.translation.z() + (hit.id == 7 ? 0 : 1),
+                1e-5);
+  }
+}
+
 TEST(ClickQueryTest, WrongArguments) {
   ThreadPool pool(1);
   const splat::GaussianModel model = splat::RandomSceneModel(10, 0, 3);

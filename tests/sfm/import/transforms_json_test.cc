@@ -249,6 +249,15 @@ TEST(ParseTransforms, AFrameMayHaveAnotherKindOfCamera) {
             CameraModel::kPinhole);
 }
 
+TEST(ParseTransforms, NullIsNoKindOfCamera) {
+  const std::string nothing = R"("camera_model": null, "is_fisheye": null, )";
+  const std::string fisheye = R"("camera_model": "OPENCV_FISHEYE", )";
+  EXPECT_EQ(CameraOf(nothing, nothing).model, CameraModel::kPinhole);
+  EXPECT_EQ(CameraOf(fisheye, nothing).model, CameraModel::kOpenCvFisheye);
+  const Camera camera = CameraOf(nothing + R"("k1": 0.01, )", fisheye);
+  EXPECT_THAT(camera.Distortion(), testing::ElementsAre(0.01, 0, 0, 0));
+}
+
 TEST(ParseTransforms, DistortionIsInheritedWithinAKind) {
   using testing::ElementsAre;
   const std::string fisheye = R"("camera_model": "OPENCV_FISHEYE", )";

@@ -90,6 +90,14 @@ TEST(SceneFrame, RingOfLevelCameras) {
 }
 
 // The same scene in another world: turned, scaled, moved. The frame undoes it.
+// So many that pairs of cameras are drawn instead of all taken.
+TEST(SceneFrame, ManyCameras) {
+  const SceneFrame frame = Estimate(ModelOf(Ring(100, 1)));
+  EXPECT_EQ(frame.source, UpSource::kHorizon);
+  EXPECT_LT(AngleDeg(frame.up, Eigen::Vector3d::UnitZ()), 1);
+  EXPECT_GT(frame.confidence, 0.9);
+}
+
 TEST(SceneFrame, MatrixMapsAnyWorldToTheSameFrame) {
   const std::vector<Rigid3d> poses = Ring(12, 0);
   const SceneFrame first = Estimate(ModelOf(poses));

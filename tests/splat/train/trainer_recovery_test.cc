@@ -117,6 +117,28 @@ TEST_F(TrainerRecoveryTest, GoesBackFromNumbersThatAreNotFinite) {
   }
 }
 
+// Between the steps that test all numbers, a colour that is not finite has not
+// been noticed yet.
+TEST_F(TrainerRecoveryTest, GoesBackWhereATrainingIsEnded) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  TrainerOptions options = Options(120, DensificationMethod::kMiniSplatting);
+  options.snapshot_interval = 25;
+  Trainer trainer(options, Start(), 2.0, &images, pool);
+  while (trainer.iteration() < 30) ASSERT_TRUE(trainer.Step().ok());
+  EXPECT_EQ(trainer.GoBackUnlessFinite().value(), false);
+  EXPECT_EQ(trainer.iteration(), 30);
+  TrainingCheckpoint checkpoint = trainer.Save();
+  checkpoint.model.sh_dc.back() = std::numeric_limits<float>::quiet_NaN();
+  ASSERT_TRUE(trainer.Restore(std::move(checkpoint)).ok());
+  EXPECT_EQ(trainer.GoBackUnlessFinite().value(), true);
+  EXPECT_EQ(trainer.iteration(), 25);
+  EXPECT_TRUE(trainer.model().AllFinite());
+  ASSERT_EQ(trainer.recoveries().size(), 1u);
+  EXPECT_EQ(trainer.recoveries()[0].iteration, 30);
+  EXPECT_EQ(trainer.GoBackUnlessFinite().value(), false);
+}
+
 TEST_F(TrainerRecoveryTest, TheColoursOfPhotosGoBackToo) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);

@@ -350,6 +350,31 @@ TEST_F(TrainerTest, IgnoresWhatMasksSay) {
   EXPECT_EQ(psnr[0], psnr[1]);
 }
 
+// What a mask ignores asks for no Gaussians either.
+TEST_F(TrainerTest, NothingIsSplitForWhatMasksIgnore) {
+  const TemporaryFolder masks;
+  for (const View& view : views_) {
+    ASSERT_TRUE(
+        WriteImage(masks.path() / (view.name + ".png"), ImageU8(96, 72, 1, 0))
+            .ok());
+  }
+  ThreadPool pool(2);
+  for (const bool masked : {false, true}) {
+    TrainingImagesOptions options;
+    options.num_levels = 1;
+    if (masked) options.mask_folder = masks.path();
+    StatusOr<TrainingImages> images =
+        TrainingImages::Load(views_, folder_, options, pool);
+    ASSERT_TRUE(images.ok()) << images.status().message();
+    Trainer trainer(NearPaperOptions(600), Start(), 1.0, &*images, pool);
+    while (trainer.iteration() < 5) ASSERT_TRUE(trainer.Step().ok());
+    const TrainingCheckpoint state = trainer.Save();
+    const std::vector<float>& shares = state.statistics.max_dominant_share;
+    ASSERT_FALSE(shares.empty());
+    EXPECT_EQ(*std::ranges::max_element(shares) > 0, !masked);
+  }
+}
+
 TEST_F(TrainerTest, MeasuresOnlyWhatMasksLeave) {
   const TemporaryFolder masks;
   ThreadPool pool(1);

@@ -419,5 +419,14 @@ TEST(BootstrapOptionsTest, DefaultsAreWithinTheirRanges) {
   EXPECT_TRUE(MakeBootstrappingOptions(options).ok());
 }
 
+TEST(BootstrapOptionsTest, OnlyTheMethodAsPublishedRefinesMasks) {
+  BootstrapStageOptions options;
+  for (const char* const mode : {"lift", "geometry", "paper"}) {
+    options.mode = mode;
+    EXPECT_EQ(MakeBootstrappingOptions(options)->instances.refine,
+              options.mode == "paper");
+  }
+}
+
 }  // namespace
 }  // namespace freegs::stages

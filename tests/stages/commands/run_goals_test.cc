@@ -127,13 +127,17 @@ TEST_F(RunGoalsTest, ARefusedGoalForgetsNothing) {
               {Path("photos"), Path("w"), "--seed", "4"},
               StatusCode::kBadInput,
               "ingest");
-  WriteText(folder_ / "w" / "config.ini", "[reconstruct]\niterations = 900\n");
   const std::string before = ReadText(folder_ / "w" / "workspace.json");
-  ExpectError(RunRunCommand,
-              {Path("photos"), Path("w"), "--at-least", "psnr=27"},
-              StatusCode::kInvalidArgument,
-              "reconstruct.iterations is what --at-least chooses");
-  EXPECT_EQ(ReadText(folder_ / "w" / "workspace.json"), before);
+  // The second is how long the first training would be, but another may follow.
+  for (const char* const iterations : {"900", "625"}) {
+    WriteText(folder_ / "w" / "config.ini",
+              std::string("[reconstruct]\niterations = ") + iterations + "\n");
+    ExpectError(RunRunCommand,
+                {Path("photos"), Path("w"), "--at-least", "psnr=27"},
+                StatusCode::kInvalidArgument,
+                "reconstruct.iterations is what --at-least chooses");
+    EXPECT_EQ(ReadText(folder_ / "w" / "workspace.json"), before);
+  }
   WriteText(folder_ / "w" / "config.ini", "[reconstruct]\nno_such = 1\n");
   ExpectError(RunRunCommand,
               {Path("photos"), Path("w"), "--within", "5m"},

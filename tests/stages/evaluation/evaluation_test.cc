@@ -15,6 +15,7 @@
 #include "core/io/image_io.h"
 #include "stages/evaluation/evaluation_report.h"
 #include "stages/evaluation/instance_evaluation.h"
+#include "stages/evaluation/text_evaluation.h"
 #include "stages/evaluation/true_masks.h"
 #include "stages/scene/scene_alignment.h"
 #include "tests/stages/ball_scene.h"
@@ -108,6 +109,106 @@ TEST_F(EvaluationTest, WithoutMasksBoxesFindTheirInstances) {
   EXPECT_EQ(quality.objects[2].instance, -1);
   EXPECT_EQ(*quality.objects[2].box_iou, 0);
   EXPECT_NEAR(quality.boxes->recall50, 2.0 / 3, 1e-9);
+}
+
+// Gaussians of a scene are long and flat.
+TEST_F(EvaluationTest, BoxesInTheFrameOfTheTruthAreThoseOfTheTruth) {
+  for (size_t i = 0; i < true_model_.size(); ++i) {
+    true_model_.log_scales[3 * i] += 1;
+    true_model_.log_scales[3 * i + 2] -= 2;
+  }
+  const WorkspaceScene scene = MakeScene();
+  const std::vector<semantics::Instance> found =
+      InstancesInTruth(Context(scene), labels_);
+  const std::vector<semantics::Instance> expected =
+      semantics::BuildInstances(true_model_,
+                                labels_,
+                                3,
+                                {},
+                                {},
+                                std::nullopt,
+                                semantics::InstanceBoxOptions(),
+                                pool_);
+  ASSERT_EQ(found.size(), 3u);
+  for (size_t k = 0; k < 3; ++k) {
+    EXPECT_LT((found[k].aabb.min - expected[k].aabb.min).norm(), 1e-4);
+    EXPECT_LT((found[k].aabb.max - expected[k].aabb.max).norm(), 1e-4);
+  }
+}
+
+// The mean is over pairs of an object and a view, and each click counts what it
+// finds: ball 1 has a band about its middle that is an instance of its own.
+TEST_F(EvaluationTest, MeansAreOverObjectsAndViews) {
+  const WorkspaceScene scene = MakeScene();
+  std::vector<int32_t> labels = labels_;
+  for (size_t i = 0; i < labels.size(); ++i) {
+    const float height = true_model_.means[3 * i + 2];
+    if (labels[i] == 0 && height > -0.1f && height < 0.25f) labels[i] = 3;
+    if (labels[i] == 2) labels[i] = 1;  // Balls 2 and 3 are one instance.
+  }
+  // Of ball 3 one view shows nothing, and one too little to be judged.
+  const auto hide = [&](const std::string& view, int left) {
+    const fs::path& path = truth_.masks[view][0].path;
+    ImageU16 ids = *ReadLabels(path);
+    for (size_t i = 0; i < ids.size(); ++i) {
+      if (ids.data()[i] == 3 && left-- <= 0) ids.data()[i] = 0;
+    }
+    ASSERT_TRUE(WriteLabels(path, ids).ok());
+  };
+  hide(truth_.cameras.test[0].name, 0);
+  hide(truth_.cameras.test[1].name, 29);
+  const auto instances = MeasureInstanceQuality(Context(scene), labels);
+  ASSERT_TRUE(instances.ok() && instances->has_value());
+  const std::vector<ObjectResult>& objects = (*instances)->objects;
+  ASSERT_EQ(objects.size(), 3u);
+  EXPECT_EQ(objects[2].num_views, 1);
+  double sum = 0;
+  int pairs = 0;
+  for (const ObjectResult& object : objects) {
+    sum += object.num_views * *object.instance_iou;
+    pairs += object.num_views;
+  }
+  EXPECT_EQ(pairs, 7);
+  EXPECT_NEAR(*(*instances)->instance_miou, sum / pairs, 1e-12);
+  EXPECT_LT(*objects[0].click_iou, *objects[0].instance_iou - 0.05);
+
+  // That of labels is over the views of each label, and then over the labels.
+  const auto text = MeasureTextQuality(
+      Context(scene), labels_, {{"ball 1", {0, 0.9}}, {"ball 2", {1, 0.9}}});
+  ASSERT_TRUE(text.ok() && text->has_value());
+  const std::vector<LabelResult>& names = (*text)->labels;
+  ASSERT_EQ(names.size(), 3u);
+  EXPECT_EQ(names[2].num_views, 1);
+  EXPECT_NEAR(*(*text)->miou,
+              (*names[0].iou + *names[1].iou + *names[2].iou) / 3,
+              1e-12);
+}
+
+// Photos kept from training are shown in the exposure of their neighbours.
+TEST_F(EvaluationTest, HoldoutPhotosHaveTheirNeighboursExposure) {
+  WorkspaceScene scene = MakeScene();
+  scene.holdout = {scene.train.back()};
+  scene.train.pop_back();
+  View& view = scene.holdout[0];
+  ImageU8 dark =
+      ToU8(splat::RenderView(
+               scene.model, view.camera, view.cam_from_world, {}, pool_)
+               .color);
+  for (size_t i = 0; i < dark.size(); ++i) dark.data()[i] /= 2;
+  view.name = "frame_9.png";  // Without loss.
+  ASSERT_TRUE(WriteImage(folder_ / view.name, dark).ok());
+  splat::AffineColor half;
+  for (float& value : half.values) value *= 0.5f;
+  scene.exposures = {{"frame_8.jpg", half}};
+  const auto quality =
+      MeasureHoldoutQuality(scene, folder_, {}, cancellation_, pool_);
+  ASSERT_TRUE(quality.ok() && quality->has_value());
+  EXPECT_GT((*quality)->psnr, 45);
+  scene.exposures.clear();
+  const auto without =
+      MeasureHoldoutQuality(scene, folder_, {}, cancellation_, pool_);
+  ASSERT_TRUE(without.ok() && without->has_value());
+  EXPECT_LT((*without)->psnr, 25);
 }
 
 // Single precision has steps of half a unit there.

@@ -193,6 +193,18 @@ TEST_F(PlanCommandTest, BadInput) {
   expect({Path("w"), "--images", Path("w/ingest/photos")},
          StatusCode::kInvalidArgument,
          "lies in the folder of stage ingest");
+  // What run refuses, plan does, too.
+  folder_.Write("notes.txt", "x");
+  expect({Path("new"), "--images", Path("notes.txt")},
+         StatusCode::kBadInput,
+         "not a folder and not a film");
+  expect({Path("photos/w"), "--images", Path("photos")},
+         StatusCode::kInvalidArgument,
+         "inside the photo folder");
+  folder_.Write("other/notes.txt", "x");
+  expect({Path("other"), "--images", Path("photos")},
+         StatusCode::kBadInput,
+         "is not a workspace");
   folder_.Write("w/workspace.json", "{");
   expect({Path("w")}, StatusCode::kBadInput, "workspace.json");
 }

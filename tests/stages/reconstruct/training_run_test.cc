@@ -22,8 +22,10 @@
 #include "splat/images/resolution_schedule.h"
 #include "splat/train/checkpoint.h"
 #include "splat/train/trainer.h"
+#include "stages/evaluation/evaluation.h"
 #include "stages/reconstruct/reconstruct_options.h"
 #include "stages/scene/training_scene.h"
+#include "stages/scene/workspace_scene.h"
 #include "tests/stages/reconstruct/reconstruct_fixture.h"
 #include "tests/temporary_folder.h"
 
@@ -126,6 +128,35 @@ TEST_F(TrainingRunTest, ReportsTheSearchAboutExposure) {
     trained += photo.split == photos::PhotoSplit::kTrain ? 1 : 0;
   }
   EXPECT_EQ(exposures.size(), trained);
+}
+
+// Photos become darker one by one, and the scene has the mean of them.
+TEST_F(TrainingRunTest, HoldoutPhotosAreMeasuredInTheirNeighboursExposure) {
+  const fs::path photos = workspace_ / "undistort" / "images";
+  for (int k = 0; k < 10; ++k) {
+    const fs::path path = photos / ("photo" + std::to_string(k) + ".png");
+    ImageU8 photo = *ReadRgb(path);
+    for (size_t i = 0; i < photo.size(); ++i) {
+      photo.data()[i] = static_cast<uint8_t>(photo.data()[i] * (1 - 0.07 * k));
+    }
+    ASSERT_TRUE(WriteImage(path, photo).ok());
+  }
+  ReconstructStageOptions options = Short();
+  options.exposure = "on";
+  options.iterations = 600;
+  ASSERT_TRUE(Run(options, "reconstruct").ok());
+  StatusOr<WorkspaceScene> scene = ReadWorkspaceScene(workspace_);
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  ThreadPool pool(2);
+  const auto psnr = [&]() -> double {
+    const auto quality =
+        MeasureHoldoutQuality(*scene, photos, {}, CancellationToken(), pool);
+    return quality.ok() && *quality ? (*quality)->psnr : -1;
+  };
+  const double with = psnr();
+  EXPECT_NEAR(Metrics("reconstruct")["holdout_psnr"].get<double>(), with, 0.01);
+  scene->exposures.clear();
+  EXPECT_GT(with, psnr() + 1);
 }
 
 TEST_F(TrainingRunTest, StoppedWhileOrAfterSearching) {

@@ -56,6 +56,8 @@ TEST(IniSectionsTest, NamesTheLineOfAFault) {
   EXPECT_THAT(IniFault("[one]\nb = \x01\n"),
               HasSubstr("line 2: holds a control character"));
   EXPECT_THAT(IniFault("[one]\nwords\n"), HasSubstr("line 2: "));
+  EXPECT_THAT(IniFault("[one]\nb = room#2\n"),
+              HasSubstr("line 2: # begins a comment"));
   EXPECT_THAT(IniFault("[one]\nb = 2\nb = 3\n"), HasSubstr("line 3: "));
   EXPECT_THAT(IniFault("[one]\nb = 2\n[one]\nc = 3\n"), HasSubstr("line 3: "));
   EXPECT_THAT(IniFault(std::string((1 << 20) + 1, '\n')),

@@ -2,6 +2,10 @@
 
 #include "stages/view/access.h"
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -160,6 +164,29 @@ TEST(Access, FindsACookieByItsWholeName) {
   EXPECT_EQ(CookieValue(header, "x"), "");
   EXPECT_EQ(CookieValue("", "a"), "");
   EXPECT_EQ(CookieValue(";; a", "a"), "");
+}
+
+TEST(Access, AddressesHaveOneForm) {
+  for (const auto& [host, address] :
+       std::vector<std::pair<std::string, std::string>>{
+           {"0", "0.0.0.0"},
+           {"127.1", "127.0.0.1"},
+           {"::0", "::"},
+           {"0:0:0:0:0:0:0:1", "::1"}}) {
+    EXPECT_TRUE(IsNumericAddress(host));
+    const auto numeric = NumericAddress(host);
+    ASSERT_TRUE(numeric.ok()) << numeric.status().message();
+    EXPECT_EQ(*numeric, address);
+  }
+  EXPECT_FALSE(IsNumericAddress("localhost"));
+  const auto localhost = NumericAddress("localhost");
+  ASSERT_TRUE(localhost.ok()) << localhost.status().message();
+  EXPECT_TRUE(IsLoopback(*localhost));
+  for (const char* const host : {"fe80::1%lo", "no such host", "1.2.3.4.5"}) {
+    EXPECT_EQ(NumericAddress(host).status().code(),
+              StatusCode::kInvalidArgument)
+        << host;
+  }
 }
 
 TEST(Access, KnowsLoopback) {

@@ -18,7 +18,10 @@ using testing::HasSubstr;
 StatusOr<QueryRequest> Parse(const std::string& body) {
   QueryRequest defaults;
   defaults.text_options.min_relevancy = 0.25;
-  return ParseQueryBody(body, defaults);
+  FREEGS_ASSIGN_OR_RETURN(PageQuestion question,
+                          ParseQueryBody(body, defaults));
+  FREEGS_RETURN_IF_ERROR(DecodePicture(&question));
+  return question.request;
 }
 
 TEST(QueryBody, ReadsEachKindOfQuestion) {

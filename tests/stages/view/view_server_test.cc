@@ -179,6 +179,15 @@ TEST_F(ViewServerTest, LargeRequestsAreRefused) {
   for (int i = 0; i < 4000; ++i) headers += "X-A: 0123456789\r\n";
   EXPECT_NE(StatusOf(Raw("GET /api/status", headers)), 200);
   EXPECT_NE(StatusOf(Raw("GET /" + std::string(20000, 'a'))), 200);
+  // What the library refuses says so, too.
+  for (const std::string& answer :
+       {Raw("GET /api/status", "Cookie: a=" + std::string(9000, 'a') + "\r\n"),
+        Raw("GET /" + std::string(9000, 'a')),
+        Raw("FOO /api/status"),
+        Raw("GET /api/status", "Range: items=0-5\r\n")}) {
+    EXPECT_GE(StatusOf(answer), 400);
+    EXPECT_THAT(answer, HasSubstr("{\"error\":")) << answer;
+  }
   EXPECT_EQ(StatusOf(Raw("GET /api/status")), 200);
 }
 

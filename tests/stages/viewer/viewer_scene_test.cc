@@ -88,6 +88,26 @@ TEST_F(ViewerSceneTest, ShowsWhatIsVeryFarAway) {
   }
 }
 
+// The format has deviations of up to 379 units.
+TEST_F(ViewerSceneTest, WhatIsFarAndLargeKeepsItsSizeInTheView) {
+  splat::GaussianModel model = workspace_.model;
+  for (int k = 0; k < 3; ++k) model.means[k] = k == 2 ? 4000 : 0;
+  for (int k = 0; k < 3; ++k) model.log_scales[k] = std::log(1500.0f);
+  ASSERT_TRUE(
+      splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply", model)
+          .ok());
+  const auto scene = MakeViewerScene(workspace_.path(), {});
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  const auto shown = splat::ParseSpz(scene->parts[0].splats, false);
+  ASSERT_TRUE(shown.ok());
+  const auto largest =
+      std::max_element(shown->log_scales.begin(), shown->log_scales.end());
+  const size_t g = (largest - shown->log_scales.begin()) / 3;
+  EXPECT_NEAR(*largest - std::log(shown->means[3 * g + 2]),
+              std::log(1500.0 / 4000),
+              0.04);
+}
+
 TEST_F(ViewerSceneTest, FollowsTheContract) {
   workspace_.AddInstances();
   const auto scene = MakeViewerScene(
