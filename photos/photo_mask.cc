@@ -3,6 +3,8 @@
 #include "photos/photo_mask.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <system_error>
 
@@ -91,15 +93,13 @@ StatusOr<ImageU8> DecodeMask(std::string_view bytes,
       mask(x, y) = (value >= least) != invert ? kKeep : kIgnore;
     }
   }
-  // The size tells first, because an almost square photo has about the shape
+  // The nearer shape tells, because an almost square photo has about the shape
   // of the one that is stored.
-  const bool on_its_side = photo.orientation >= 5;
-  const bool is_upright =
-      mask.width() == photo.width && mask.height() == photo.height;
-  const bool is_as_stored =
-      mask.width() == photo.height && mask.height() == photo.width;
-  if (on_its_side && !is_upright &&
-      (is_as_stored || !HasShapeOf(photo, mask))) {
+  const auto distance = [&mask](int64_t width, int64_t height) {
+    return std::abs(mask.width() * height - mask.height() * width);
+  };
+  if (photo.orientation >= 5 && distance(photo.height, photo.width) <
+                                    distance(photo.width, photo.height)) {
     mask = Upright(mask, photo.orientation);
   }
   if (!HasShapeOf(photo, mask)) {

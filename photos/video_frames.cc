@@ -14,6 +14,7 @@
 #include <opencv2/videoio.hpp>
 #include <opencv2/videoio/registry.hpp>
 
+#include "core/number_text.h"
 #include "core/out_of_memory.h"
 #include "core/quantile.h"
 #include "photos/film_rotation.h"
@@ -156,7 +157,11 @@ Status Survey(const fs::path& path,
     return Fault(path,
                  "its frames claim to have " +
                      std::to_string(std::llround(megapixels)) +
-                     " megapixels, more than ingest.max_megapixels");
+                     " megapixels, more than the limit of " +
+                     FormatSignificant(options.max_megapixels, 6) +
+                     (options.max_megapixels_option.empty()
+                          ? ""
+                          : " (" + options.max_megapixels_option + ")"));
   }
   const double fps = film.Property(cv::CAP_PROP_FPS);
   const double claimed = film.Property(cv::CAP_PROP_FRAME_COUNT);
@@ -217,6 +222,9 @@ std::vector<VideoFrame> DropBlurred(const std::vector<VideoFrame>& chosen) {
 Status VideoFrameOptions::Check() const {
   if (!(motion > 0 && motion <= 1)) {
     return InvalidArgumentError("video_motion must be in (0, 1]");
+  }
+  if (!(max_megapixels > 0)) {
+    return InvalidArgumentError("max_megapixels must be positive");
   }
   if (min_frames < 3 || max_frames < 3) {
     return InvalidArgumentError(

@@ -36,6 +36,9 @@ struct VideoFrameOptions {
   // Limit in millions of pixels; larger frames are refused.
   double max_megapixels = 400;
 
+  // The option that sets this limit, for messages; empty where none does.
+  std::string max_megapixels_option = {};
+
   Status Check() const;
 };
 

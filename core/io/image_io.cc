@@ -215,6 +215,10 @@ Status WriteImage(const fs::path& path, const ImageU8& image) {
                          ": cannot encode image: its name ends with none of "
                          ".png, .jpg, .jpeg, .jpe, .tif, .tiff");
   }
+  if (image.empty()) {
+    return InternalError(path.string() +
+                         ": cannot encode image: it has no pixels");
+  }
   const std::string suffix = LowerSuffix(path);
   const cv::Mat stored(image.height(),
                        image.width(),

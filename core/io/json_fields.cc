@@ -197,9 +197,11 @@ Status CheckRotation(const Eigen::Matrix3d& rotation,
                      const std::string& where,
                      double tolerance) {
   const Eigen::Matrix3d product = rotation * rotation.transpose();
-  if (!((product - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <=
-        tolerance) ||
-      rotation.determinant() < 0) {
+  // The largest of several numbers may pass over one that is none.
+  const bool is_orthogonal =
+      ((product - Eigen::Matrix3d::Identity()).array().abs() <= tolerance)
+          .all();
+  if (!is_orthogonal || !(rotation.determinant() > 0)) {
     return BadInputError(Named(where, "not a rotation matrix"));
   }
   return Status();

@@ -229,12 +229,13 @@ Eigen::Vector3d BentToLevelCameras(std::span<const View> views,
                                    const Eigen::Vector3d& up) {
   // The given direction counts as much as x axes do that fan out by 4 degrees.
   constexpr double kWeightOfUp = 0.005;
+  const Eigen::Vector3d first = up.normalized();
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
   for (const View& view : views) {
     const Eigen::Vector3d right =
         view.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitX();
-    matrix +=
-        right * right.transpose() + kWeightOfUp * Eigen::Matrix3d::Identity();
+    matrix += kWeightOfUp * Eigen::Matrix3d::Identity();
+    if (std::abs(right.dot(first)) < 0.5) matrix += right * right.transpose();
   }
   return matrix.ldlt().solve(up).normalized();
 }

@@ -211,8 +211,8 @@ Status DensificationOptions::Check() const {
   if (!(clone_max_scale > 0)) {
     return InvalidArgumentError("clone_max_scale must be > 0");
   }
-  if (!(split_shrink >= 1)) {
-    return InvalidArgumentError("split_shrink must be >= 1");
+  if (!(split_shrink >= 1 && std::isfinite(split_shrink))) {
+    return InvalidArgumentError("split_shrink must be finite and >= 1");
   }
   if (!(min_opacity >= 0 && min_opacity < 1)) {
     return InvalidArgumentError("min_opacity must be in [0, 1)");

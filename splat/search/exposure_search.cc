@@ -173,6 +173,7 @@ StatusOr<std::optional<ExposureChoice>> SearchExposure(
     const CancellationToken* cancellation,
     const ProgressFn& progress) {
   FREEGS_RETURN_IF_ERROR(options.Check());
+  FREEGS_RETURN_IF_ERROR(training.Check());
   const TrialPhotos photos = SplitPhotos(*scene.images, options.others_every);
   const std::optional<ExposureChoice> nothing_learnt = ExposureChoice();
   if (photos.others.empty()) return nothing_learnt;

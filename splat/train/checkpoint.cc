@@ -306,7 +306,38 @@ void RemoveParts(const fs::path& folder) {
   for (const fs::path& part : parts) fs::remove(part, error);
 }
 
+// Whether all arrays are those of as many Gaussians.
+bool HasAllParameters(const GaussianModel& model) {
+  return std::ranges::all_of(kAllParameters, [&](Parameter parameter) {
+    return ParameterArray(model, parameter).size() ==
+           model.size() * ParameterStride(model, parameter);
+  });
+}
+
 }  // namespace
+
+bool IsWhole(const TrainingCheckpoint& checkpoint) {
+  const GaussianModel& model = checkpoint.model;
+  const TrainingHistory& history = checkpoint.history;
+  const auto is_like = [&model](const GaussianModel& other) {
+    return other.size() == model.size() && other.sh_degree == model.sh_degree &&
+           HasAllParameters(other);
+  };
+  const DensificationStatistics& statistics = checkpoint.statistics;
+  if (!HasAllParameters(model) || !is_like(checkpoint.adam.first_moments) ||
+      !is_like(checkpoint.adam.second_moments) ||
+      statistics.gradient_sum.size() != model.size() ||
+      statistics.visible_steps.size() != model.size() ||
+      statistics.max_dominant_share.size() != model.size() ||
+      (history.average.count > 0 && !is_like(history.average.mean))) {
+    return false;
+  }
+  const std::optional<GoodState>& good = history.last_good;
+  return !good ||
+         (good->iteration >= 0 && good->iteration <= checkpoint.iteration &&
+          HasAllParameters(good->model) &&
+          good->colors.entries.size() == history.colors.entries.size());
+}
 
 TrainingCheckpointView ViewOf(const TrainingCheckpoint& checkpoint) {
   return {.iteration = checkpoint.iteration,

@@ -56,6 +56,10 @@ struct TrainingCheckpointView {
 // The checkpoint must outlive the view.
 TrainingCheckpointView ViewOf(const TrainingCheckpoint& checkpoint);
 
+// Whether all arrays are those of as many Gaussians, of the same degree and of
+// as many photos, and the last good state is not of a later iteration.
+bool IsWhole(const TrainingCheckpoint& checkpoint);
+
 // Converts a checkpoint to the content of a file and back. The content is a
 // magic number, a version, the little-endian values, and a hash of all of these
 // that reveals any damage. ParseCheckpoint fails with kBadInput when the

@@ -49,10 +49,25 @@ std::vector<View> AllViews(const TrainingImages& images) {
   return views;
 }
 
+Status InitialNumbersError() {
+  return UnusableResultError(
+      "training: a parameter of the initial Gaussians is not a finite number");
+}
+
 }  // namespace
 
 Status TrainerOptions::Check() const {
-  if (budget < 0) return InvalidArgumentError("budget must not be negative");
+  // Rounded, and a few times as many, it must still be a number of Gaussians.
+  if (budget < 0 || budget > int64_t{1} << 40) {
+    return InvalidArgumentError("budget must be in 0 .. 2^40");
+  }
+  if (!(render.near_plane > 0 && std::isfinite(render.near_plane)) ||
+      !(render.dilation >= 0 && std::isfinite(render.dilation)) ||
+      render.sh_degree < 0) {
+    return InvalidArgumentError(
+        "render: near_plane must be positive, dilation and sh_degree not "
+        "negative");
+  }
   if (snapshot_interval < 1 || clear_interval < 1 || decay_interval < 1 ||
       max_recoveries < 0) {
     return InvalidArgumentError(
@@ -200,9 +215,7 @@ StatusOr<StepReport> Trainer::Step(const CancellationToken* cancellation) {
   }
   if (!history_.last_good) {
     if (!model_.AllFinite()) {
-      return UnusableResultError(
-          "training: a parameter of the initial Gaussians is not a finite "
-          "number");
+      return InitialNumbersError();
     }
     KeepAsGood();
   }
@@ -255,6 +268,7 @@ std::optional<std::string> Trainer::FindTrouble(float loss) {
 
 StatusOr<bool> Trainer::GoBackUnlessFinite() {
   if (model().AllFinite()) return false;
+  if (!history_.last_good) return InitialNumbersError();
   FREEGS_RETURN_IF_ERROR(GoBack(kNotFinite));
   return true;
 }
@@ -446,7 +460,6 @@ TrainingCheckpoint Trainer::Save() const {
 }
 
 Status Trainer::Restore(TrainingCheckpoint checkpoint) {
-  const size_t count = checkpoint.model.size();
   const size_t colors = checkpoint.history.colors.entries.size();
   if (checkpoint.iteration > schedule_.iterations()) {
     return BadInputError("the checkpoint is of iteration " +
@@ -461,18 +474,7 @@ Status Trainer::Restore(TrainingCheckpoint checkpoint) {
         " photos, but the training has " + std::to_string(images_->size()) +
         "; remove the checkpoints to train anew");
   }
-  if (checkpoint.iteration < 0 ||
-      checkpoint.adam.first_moments.size() != count ||
-      checkpoint.adam.second_moments.size() != count ||
-      checkpoint.adam.first_moments.sh_degree != checkpoint.model.sh_degree ||
-      checkpoint.adam.second_moments.sh_degree != checkpoint.model.sh_degree ||
-      checkpoint.statistics.size() != count ||
-      (checkpoint.history.average.count > 0 &&
-       (checkpoint.history.average.mean.size() != count ||
-        checkpoint.history.average.mean.sh_degree !=
-            checkpoint.model.sh_degree)) ||
-      (checkpoint.history.last_good &&
-       checkpoint.history.last_good->colors.entries.size() != colors)) {
+  if (checkpoint.iteration < 0 || !IsWhole(checkpoint)) {
     return BadInputError(
         "model, optimiser and statistics of the checkpoint do not belong "
         "together; remove the checkpoints to train anew");

@@ -159,8 +159,9 @@ class Trainer {
   void SetExposureChoice(const ExposureChoice& choice);
 
   // Makes one gradient step, and then what the schedule says. Fails with
-  // kUnusableResult when training diverges too often or no Gaussian is left or
-  // visible, and with kBadInput when a photo has become unreadable. A milestone
+  // kUnusableResult when training diverges too often, when no Gaussian is left,
+  // and at milestones when none is visible; with kBadInput when a photo has
+  // become unreadable. A milestone
   // renders every photo, which can take minutes. So it may be cancelled, unlike
   // the rest of the step; `cancellation` may be null.
   StatusOr<StepReport> Step(const CancellationToken* cancellation = nullptr);
@@ -174,7 +175,7 @@ class Trainer {
   // For whoever ends a training before its last step. Colours are tested for
   // numbers that are not finite at some steps only. If model() has any now,
   // training goes back to its last good state. Returns whether it did. Fails
-  // with kUnusableResult when training diverges too often.
+  // with kUnusableResult when training diverges too often, or has not begun.
   StatusOr<bool> GoBackUnlessFinite();
 
   // Save returns all that Restore needs to go on from here, in a trainer made

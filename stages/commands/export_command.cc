@@ -123,12 +123,19 @@ Status ExportObjects(const ExportRequest& request, CommandContext& context) {
     object.antialiased = world.model.antialiased;
     object.AppendFrom(world.model, i);
   }
+  const auto name_of = [&request](int32_t label) {
+    return std::to_string(label + 1) + "." + request.format;
+  };
+  for (const auto& [label, object] : objects) {
+    FREEGS_RETURN_IF_ERROR(
+        CheckOutputPlace(request.workspace, folder / name_of(label)));
+  }
   std::set<std::string> written;
   for (const auto& [label, object] : objects) {
     if (context.cancellation.cancelled()) {
       return InterruptedError("export: stopped");
     }
-    const std::string name = std::to_string(label + 1) + "." + request.format;
+    const std::string name = name_of(label);
     FREEGS_RETURN_IF_ERROR(WriteGaussians(folder / name, object, world.offset));
     written.insert(name);
   }

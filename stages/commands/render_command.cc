@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -17,7 +18,6 @@
 #include "core/function_ref.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
-#include "core/io/json_fields.h"
 #include "core/io/json_text.h"
 #include "core/parallel.h"
 #include "pipeline/logger.h"
@@ -30,6 +30,7 @@
 #include "stages/film/film_picture.h"
 #include "stages/film/film_views.h"
 #include "stages/film/film_writer.h"
+#include "stages/film/rendered_frames.h"
 #include "stages/scene/depth_image.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/scene/view_selection.h"
@@ -318,69 +319,32 @@ Status ForEachView(const std::vector<View>& views,
   return Status();
 }
 
-// How many frames the last path to a folder has written there, and how many
-// pictures of them in preview/. Only these may be removed: others of such a
-// name, like those that FFmpeg makes of a film, are somebody else's.
-struct FrameCounts {
-  size_t frames = 0;
-  size_t previews = 0;
-};
-
-fs::path FrameListPath(const fs::path& folder) {
-  return folder / "rendered_frames.json";
+bool HasPreviews(const RenderRequest& request) {
+  return request.what == "depth" || request.what == "instances";
 }
 
-// Zeros when there is no list, or when it is malformed.
-FrameCounts ReadFrameCounts(const fs::path& folder) {
-  constexpr int kMaxFrames = 1'000'000;
-  const StatusOr<nlohmann::json> list = ReadJson(FrameListPath(folder));
-  if (!list.ok()) return {};
-  const auto count = [&list](const char* key) {
-    const StatusOr<int> number =
-        ReadInteger(FindField(*list, key), 0, kMaxFrames, key);
-    return number.ok() ? static_cast<size_t>(*number) : size_t{0};
-  };
-  return {count("frames"), count("previews")};
-}
-
-Status WriteFrameCounts(const fs::path& folder, const FrameCounts& counts) {
-  return WriteFileAtomic(
-      FrameListPath(folder),
-      JsonText({{"frames", counts.frames}, {"previews", counts.previews}}));
-}
-
-// Removes the frames from number `begin` to `end`, counted from 0, and returns
-// how many there were.
-size_t RemoveFrames(const fs::path& folder, size_t begin, size_t end) {
-  size_t removed = 0;
-  for (size_t frame = begin; frame < end; ++frame) {
-    std::error_code error;
-    if (fs::remove(folder / FrameName(frame), error)) ++removed;
+// Checks the places of all pictures, whose names may have folders.
+Status CheckPicturePlaces(const RenderRequest& request,
+                          const std::vector<std::string>& names) {
+  std::set<fs::path> folders;
+  std::set<std::string> previews;
+  for (const std::string& name : names) {
+    folders.insert((fs::path(request.out) / name).parent_path());
+    if (!HasPreviews(request)) continue;
+    const fs::path preview = fs::path("preview") / name;
+    folders.insert((fs::path(request.out) / preview).parent_path());
+    previews.insert(preview.string());
   }
-  return removed;
-}
-
-// Removes what an earlier path wrote beyond the `count` frames of this one. The
-// new list is written after that, so that nothing is forgotten in between.
-Status RemoveLaterFrames(const RenderRequest& request,
-                         size_t count,
-                         std::ostream& out) {
-  const fs::path folder = request.out;
-  const FrameCounts earlier = ReadFrameCounts(folder);
-  RemoveFrames(folder / "preview", count, earlier.previews);
-  const size_t removed = RemoveFrames(folder, count, earlier.frames);
-  const bool previews = request.what == "depth" || request.what == "instances";
-  FREEGS_RETURN_IF_ERROR(WriteFrameCounts(
-      folder, {count, previews ? count : std::min(count, earlier.previews)}));
-  if (removed > 0) {
-    out << removed << " pictures of a longer path were removed\n";
+  for (const std::string& name : names) {
+    if (previews.contains(name)) {
+      return InvalidArgumentError(
+          name +
+          ": a picture has the place of the preview of another one; "
+          "photos in a folder \"preview\" cannot be rendered so");
+    }
   }
-  std::error_code error;
-  const std::string next = FrameName(std::max(count, earlier.frames));
-  if (fs::exists(folder / next, error)) {
-    out << next << " and later frames stay: "
-        << FrameListPath(folder).filename().string()
-        << " does not say that an earlier path wrote them\n";
+  for (const fs::path& folder : folders) {
+    FREEGS_RETURN_IF_ERROR(CheckOutputPlace(request.workspace, folder));
   }
   return Status();
 }
@@ -392,6 +356,11 @@ Status WritePictures(const RenderRequest& request,
                      CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(views, ".png"));
+  FREEGS_RETURN_IF_ERROR(CheckPicturePlaces(request, names));
+  if (request.path.empty()) {
+    FREEGS_RETURN_IF_ERROR(
+        ForgetReplacedFrames(request.out, names, HasPreviews(request)));
+  }
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
                           MakeRenderer(request, shown, views, &pool));
   FREEGS_RETURN_IF_ERROR(
@@ -400,7 +369,11 @@ Status WritePictures(const RenderRequest& request,
       }));
   context.out << views.size() << " pictures in " << request.out << "\n";
   if (request.path.empty()) return Status();
-  return RemoveLaterFrames(request, views.size(), context.out);
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::string removed,
+      RemoveLaterFrames(request.out, views.size(), HasPreviews(request)));
+  context.out << removed;
+  return Status();
 }
 
 Status WriteFilm(const RenderRequest& request,

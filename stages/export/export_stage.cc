@@ -91,7 +91,7 @@ class ExportStage : public pipeline::Stage {
 
   std::string_view name() const override { return "export"; }
 
-  int version() const override { return 6; }
+  int version() const override { return 7; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {

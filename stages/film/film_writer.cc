@@ -2,6 +2,7 @@
 
 #include "stages/film/film_writer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <exception>
@@ -80,6 +81,16 @@ StatusOr<std::unique_ptr<FilmWriter>> FilmWriter::Open(const fs::path& path,
                                 std::to_string(width) + " x " +
                                 std::to_string(height));
   }
+  constexpr int kMaxSide = 8190;  // MPEG-4 has 13 bits, and it is even.
+  if (std::max(width, height) > kMaxSide) {
+    return InvalidArgumentError(
+        "a film has at most " + std::to_string(kMaxSide) +
+        " pixels a side, not " + std::to_string(width) + " x " +
+        std::to_string(height) + "; limit it with --size");
+  }
+  // MPEG-4 writes the rate as a fraction of numbers of 16 bits, and OpenCV
+  // takes thousandths.
+  if (fps > 65) fps = std::round(100 * fps) / 100;
   auto state = std::make_unique<State>();
   // The absolute path: "a:b" would be a protocol for FFmpeg.
   std::error_code error;

@@ -101,7 +101,7 @@ class IngestStage : public pipeline::Stage {
   explicit IngestStage(const IngestStageOptions& options) : options_(options) {}
 
   std::string_view name() const override { return "ingest"; }
-  int version() const override { return 3; }
+  int version() const override { return 4; }
 
   std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {context.images};
@@ -280,6 +280,7 @@ class IngestStage : public pipeline::Stage {
     std::error_code error;
     photos::VideoFrameOptions film = options_.film;
     film.max_megapixels = options_.decode.max_megapixels;
+    film.max_megapixels_option = options_.decode.max_megapixels_option;
     return TakeFilmFrames(context,
                           fs::is_regular_file(context.images, error)
                               ? context.images.parent_path()

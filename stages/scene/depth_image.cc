@@ -51,7 +51,8 @@ ImageU16 EncodeDepth(const ImageF& depth, double unit) {
                  depth.data() + depth.size(),
                  encoded.data(),
                  [unit](float z) {
-                   const double steps = std::clamp(z / unit, 0.0, 65535.0);
+                   const double nearest = z > 0 ? 1 : 0;
+                   const double steps = std::clamp(z / unit, nearest, 65535.0);
                    return static_cast<uint16_t>(std::lround(steps));
                  });
   return encoded;

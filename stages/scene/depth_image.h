@@ -32,8 +32,8 @@ DepthRange VisibleDepthRange(const splat::GaussianModel& model,
 // let people read depths off the pixel values.
 double DepthUnit(double far);
 
-// round(depth / unit) per pixel, at most 65535, with both in the same unit. 0
-// means that nothing is there.
+// round(depth / unit) per pixel, at least 1 and at most 65535, with both in the
+// same unit. 0 means that nothing is there.
 ImageU16 EncodeDepth(const ImageF& depth, double unit);
 
 // A colour preview, H x W x 3 RGB: bright is near, dark is far, and black means

@@ -109,12 +109,16 @@ Image<int32_t> RenderLabels(const WorkspaceScene& scene,
 StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
                                                const std::string& suffix) {
   std::vector<std::string> names;
+  std::vector<std::string>
+      whole_names;  // "./a.jpg" is the same file as "a.jpg".
   for (const View& view : views) {
     if (!IsNameBelowFolder(view.name)) {
       return BadInputError("view \"" + view.name +
                            "\": not a file name inside a folder");
     }
-    names.push_back(fs::path(view.name).replace_extension(suffix).string());
+    whole_names.push_back(fs::path(view.name).lexically_normal().string());
+    names.push_back(
+        fs::path(whole_names.back()).replace_extension(suffix).string());
   }
   // A whole name can be what another view has without its extension, so this is
   // repeated until no name changes.
@@ -123,10 +127,27 @@ StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
     std::map<std::string, int> uses;
     for (const std::string& name : names) ++uses[name];
     for (size_t i = 0; i < names.size(); ++i) {
-      const std::string whole = views[i].name + suffix;
+      const std::string whole = whole_names[i] + suffix;
       if (uses[names[i]] == 1 || names[i] == whole) continue;
       names[i] = whole;
       changed = true;
+    }
+  }
+  std::map<std::string, std::string> view_of;
+  for (size_t i = 0; i < names.size(); ++i) {
+    const auto [other, is_new] = view_of.emplace(names[i], views[i].name);
+    if (is_new) continue;
+    return BadInputError("views \"" + other->second + "\" and \"" +
+                         views[i].name + "\" would have the same file");
+  }
+  for (const std::string& name : names) {
+    for (fs::path folder = fs::path(name).parent_path(); !folder.empty();
+         folder = folder.parent_path()) {
+      const auto file = view_of.find(folder.string());
+      if (file == view_of.end()) continue;
+      return BadInputError("view \"" + file->second +
+                           "\" would be a folder of \"" + view_of.at(name) +
+                           "\", too");
     }
   }
   return names;

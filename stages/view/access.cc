@@ -108,7 +108,8 @@ bool IsJson(const std::string& content_type) {
   return type.substr(0, type.find_last_not_of(" \t") + 1) == "application/json";
 }
 
-// What getaddrinfo makes of a host, as a number; empty if it knows none.
+// What getaddrinfo makes of a host, as a number: the first address without an
+// interface, or else the first one; empty if it knows none.
 std::string Resolved(const std::string& host, int flags) {
   addrinfo hints = {};
   hints.ai_family = AF_UNSPEC;
@@ -116,16 +117,28 @@ std::string Resolved(const std::string& host, int flags) {
   hints.ai_flags = flags;
   addrinfo* found = nullptr;
   if (getaddrinfo(host.c_str(), nullptr, &hints, &found) != 0) return "";
-  char text[NI_MAXHOST] = {};
-  const int error = getnameinfo(found->ai_addr,
-                                found->ai_addrlen,
-                                text,
-                                sizeof(text),
-                                nullptr,
-                                0,
-                                NI_NUMERICHOST);
+  std::string best;
+  for (const addrinfo* entry = found; entry != nullptr;
+       entry = entry->ai_next) {
+    char text[NI_MAXHOST] = {};
+    if (getnameinfo(entry->ai_addr,
+                    entry->ai_addrlen,
+                    text,
+                    sizeof(text),
+                    nullptr,
+                    0,
+                    NI_NUMERICHOST) != 0) {
+      continue;
+    }
+    const std::string address = text;
+    if (best.empty()) best = address;
+    if (address.find('%') == std::string::npos) {
+      best = address;
+      break;
+    }
+  }
   freeaddrinfo(found);
-  return error == 0 ? text : "";
+  return best;
 }
 
 }  // namespace

@@ -28,11 +28,11 @@ struct AccessRules {
   std::string host_name = {};
 };
 
-// The address as a number, in its usual form, of an address or a name; of a
-// name that has several the first, so that a server does not listen at one and
-// print another's. kInvalidArgument for what is neither, and for an address
-// that is complete only with an interface ("fe80::1%eth0"), which no browser
-// sends.
+// The address as a number, in its usual form, of an address or a name. Of a
+// name that has several it is the first that a browser can name, so that a
+// server does not listen at one and print another's. kInvalidArgument for what
+// is neither, and for an address that is complete only with an interface
+// ("fe80::1%eth0"), which no browser sends.
 StatusOr<std::string> NumericAddress(const std::string& host);
 
 // Whether it is an address and no name, also in a form such as "127.1".

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numeric>
 #include <span>
 #include <system_error>
@@ -145,26 +144,42 @@ json LevelsJson(const ViewerLevels& levels) {
   return result;
 }
 
-// Brings Gaussians that are very far away, or far away and too large for the
-// format, nearer, and makes them smaller by the same factor. From the cameras,
-// which are near the origin, they look the same.
+// The largest coordinate of a Gaussian.
+double DistanceOf(const splat::GaussianModel& model, size_t g) {
+  double distance = 0;
+  for (size_t k = 3 * g; k < 3 * g + 3; ++k) {
+    distance = std::max(distance, std::abs(double{model.means[k]}));
+  }
+  return distance;
+}
+
+// Brings nearer what is too far away, or far away and too large for the format,
+// and makes it smaller by the same factor. From the cameras, which are near the
+// origin, it looks the same. All that is far away moves by one rule, so that
+// what hides another thing still does: a distance becomes a power of itself.
 void BringNearer(splat::GaussianModel* model) {
+  double power = 1;
   for (size_t g = 0; g < model->size(); ++g) {
-    float distance = 0;
-    float log_scale = -std::numeric_limits<float>::infinity();
-    for (size_t k = 3 * g; k < 3 * g + 3; ++k) {
-      distance = std::max(distance, std::abs(model->means[k]));
-      log_scale = std::max(log_scale, model->log_scales[k]);
-    }
+    const double distance = DistanceOf(*model, g);
     if (distance <= kFar) continue;
-    const float fits =
-        distance *
-        std::exp(std::min(0.0f, float{splat::kMaxSpzLogScale} - log_scale));
-    const float nearer = std::clamp(fits, kFar, kFarthest);
-    if (nearer >= distance) continue;
+    const float* const log_scales = model->log_scales.data() + 3 * g;
+    const double log_scale = *std::max_element(log_scales, log_scales + 3);
+    const double fits = std::min(
+        double{kFarthest},
+        distance * std::exp(std::min(0.0, splat::kMaxSpzLogScale - log_scale)));
+    // What is too large even at kFar loses its size.
+    if (fits <= kFar) continue;
+    power = std::min(power, std::log(fits / kFar) / std::log(distance / kFar));
+  }
+  if (power >= 1) return;
+  for (size_t g = 0; g < model->size(); ++g) {
+    const double distance = DistanceOf(*model, g);
+    if (distance <= kFar) continue;
+    const double nearer =
+        std::min(double{kFarthest}, kFar * std::pow(distance / kFar, power));
     for (size_t k = 3 * g; k < 3 * g + 3; ++k) {
-      model->means[k] *= nearer / distance;
-      model->log_scales[k] += std::log(nearer / distance);
+      model->means[k] *= static_cast<float>(nearer / distance);
+      model->log_scales[k] += static_cast<float>(std::log(nearer / distance));
     }
   }
 }

@@ -120,8 +120,8 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
     page.Compare(folder_ / workspace);
   }
   EXPECT_THAT(page.unnamed(), IsEmpty());
-  // What is there only while a stage runs, after it failed, with a film or a
-  // lens that distorts, or with the workflow for many scenes.
+  // What is there only while a stage runs, after it failed, with a film, a
+  // digital zoom or a lens that distorts, or with the workflow for many scenes.
   EXPECT_THAT(page.Missing(),
               UnorderedElementsAre(".workflow/",
                                    "STAGE.partial/partial.json",
@@ -129,6 +129,7 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
                                    "STAGE/stage.json: error",
                                    "ingest.partial/frames/PHOTO",
                                    "ingest.partial/pending/N.png",
+                                   "ingest/images.json: digital_zoom",
                                    "ingest/images.json: film",
                                    "ingest/images.json: frame",
                                    "ingest/images.json: time_s",

@@ -126,13 +126,16 @@ TEST(DecodeMask, SizeAndOrientation) {
       Encode(".png", Halves(48, 64, 255)), PhotoOfSize(48, 64, 6), false, {});
   EXPECT_EQ((*upright)(5, 60), 255);
   // An almost square photo has about the shape that is stored.
-  const auto square = DecodeMask(Encode(".png", Halves(204, 203, 255)),
-                                 PhotoOfSize(203, 204, 6),
-                                 false,
-                                 {});
-  ASSERT_TRUE(square.ok()) << square.status().message();
-  EXPECT_EQ((*square)(200, 5), 255);
-  EXPECT_EQ((*square)(5, 200), 0);
+  for (const int scale : {1, 2}) {
+    const auto square =
+        DecodeMask(Encode(".png", Halves(204 * scale, 203 * scale, 255)),
+                   PhotoOfSize(203, 204, 6),
+                   false,
+                   {});
+    ASSERT_TRUE(square.ok()) << square.status().message();
+    EXPECT_EQ((*square)(200, 5), 255);
+    EXPECT_EQ((*square)(5, 200), 0);
+  }
   // Another shape.
   const auto wrong = DecodeMask(wide, PhotoOfSize(48, 64), false, {});
   EXPECT_EQ(wrong.status().code(), StatusCode::kBadInput);

@@ -194,11 +194,18 @@ TEST_F(VideoFramesTest, DamagedFilms) {
     EXPECT_EQ(read->width, kFilmWidth);
   } else {
     EXPECT_EQ(read.status().code(), StatusCode::kBadInput);
-    EXPECT_THAT(read.status().message(), HasSubstr("max_megapixels"));
+    EXPECT_THAT(read.status().message(), HasSubstr("more than the limit"));
   }
   options_.max_megapixels = 0.01;
   EXPECT_THAT(Survey("film.avi").status().message(),
-              HasSubstr("max_megapixels"));
+              HasSubstr("more than the limit of 0.01"));
+  options_.max_megapixels_option = "ingest.max_megapixels";
+  EXPECT_THAT(Survey("film.avi").status().message(),
+              HasSubstr("(ingest.max_megapixels)"));
+  for (const double limit : {0.0, -1.0, std::nan("")}) {
+    options_.max_megapixels = limit;
+    EXPECT_EQ(options_.Check().code(), StatusCode::kInvalidArgument);
+  }
 }
 
 TEST_F(VideoFramesTest, RotationIsRespected) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <iterator>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -239,6 +240,18 @@ TEST(ImageIoTest, FormatsWhoseHeadersAreNotKnownAreRefused) {
   EXPECT_EQ(status.code(), StatusCode::kBadInput);
   EXPECT_THAT(status.message(),
               testing::HasSubstr("not a PNG, JPEG or TIFF image"));
+}
+
+TEST(ImageIoTest, AnImageWithoutPixelsIsNotWritten) {
+  const TemporaryFolder folder;
+  for (const int channels : {1, 3, 4}) {
+    for (const auto& [width, height] : {std::pair(0, 5), std::pair(5, 0)}) {
+      EXPECT_EQ(
+          WriteImage(folder / "a.png", ImageU8(width, height, channels)).code(),
+          StatusCode::kInternal);
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.png"));
 }
 
 TEST(ImageIoTest, WriteErrors) {

@@ -148,6 +148,11 @@ TEST(ReadFieldTest, VectorsAndMatrices) {
   EXPECT_FALSE(CheckRotation(-Eigen::Matrix3d::Identity(), "x").ok());
   EXPECT_FALSE(CheckRotation(1.01 * Eigen::Matrix3d::Identity(), "x").ok());
   EXPECT_TRUE(CheckRotation(1.01 * Eigen::Matrix3d::Identity(), "x", 0.1).ok());
+  for (int entry = 0; entry < 9; ++entry) {
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
+    matrix(entry / 3, entry % 3) = std::nan("");
+    EXPECT_FALSE(CheckRotation(matrix, "x").ok()) << entry;
+  }
   EXPECT_FALSE(
       CheckRotation(Eigen::Matrix3d::Constant(std::nan("")), "x").ok());
 }

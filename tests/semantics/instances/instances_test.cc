@@ -184,6 +184,12 @@ TEST(InstancesTest, VerticalIsThatOfLevelCameras) {
   std::vector<Plane> floor(1);
   floor[0].normal = Eigen::Vector3d::UnitZ();
   EXPECT_NEAR(EstimateVertical(views, floor)->z(), 1, 1e-12);
+  // A camera that was held on its side changes little.
+  views.push_back(LevelView(0, -0.8));
+  views.back().cam_from_world.rotation =
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()) *
+      views.back().cam_from_world.rotation;
+  EXPECT_GT(EstimateVertical(views, {})->z(), 0.98);
   // Where the x axes are parallel they say nothing of how cameras are pitched.
   views = {LevelView(0, -0.3), LevelView(0, -0.3)};
   EXPECT_NEAR(EstimateVertical(views, {})->z(), std::cos(0.3), 1e-6);

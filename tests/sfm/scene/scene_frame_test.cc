@@ -89,7 +89,6 @@ TEST(SceneFrame, RingOfLevelCameras) {
   EXPECT_FALSE(frame.ground.has_value());
 }
 
-// The same scene in another world: turned, scaled, moved. The frame undoes it.
 // So many that pairs of cameras are drawn instead of all taken.
 TEST(SceneFrame, ManyCameras) {
   const SceneFrame frame = Estimate(ModelOf(Ring(100, 1)));
@@ -98,6 +97,7 @@ TEST(SceneFrame, ManyCameras) {
   EXPECT_GT(frame.confidence, 0.9);
 }
 
+// The same scene in another world: turned, scaled, moved. The frame undoes it.
 TEST(SceneFrame, MatrixMapsAnyWorldToTheSameFrame) {
   const std::vector<Rigid3d> poses = Ring(12, 0);
   const SceneFrame first = Estimate(ModelOf(poses));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <span>
 #include <string>
@@ -466,6 +467,21 @@ TEST_F(TrainerTest, RefusesACheckpointThatDoesNotFit) {
   checkpoint.history.last_good = {0, checkpoint.model, {}};
   checkpoint.history.last_good->colors.entries.resize(1);
   EXPECT_EQ(trainer.Restore(checkpoint).code(), StatusCode::kBadInput);
+  checkpoint = trainer.Save();
+  checkpoint.statistics.visible_steps.clear();
+  EXPECT_EQ(trainer.Restore(checkpoint).code(), StatusCode::kBadInput);
+  checkpoint = trainer.Save();
+  checkpoint.history.last_good = {1, checkpoint.model, {}};
+  EXPECT_EQ(trainer.Restore(checkpoint).code(), StatusCode::kBadInput);
+  for (const Parameter parameter : kAllParameters) {
+    checkpoint = trainer.Save();
+    std::vector<float>& array = ParameterArray(checkpoint.model, parameter);
+    if (array.empty()) continue;
+    array.pop_back();
+    EXPECT_EQ(trainer.Restore(checkpoint).code(), StatusCode::kBadInput);
+  }
+  EXPECT_TRUE(trainer.Restore(trainer.Save()).ok());
+  EXPECT_TRUE(trainer.Step().ok());
 }
 
 TEST_F(TrainerTest, SaysSoWhenTheInitialNumbersAreNotFinite) {
@@ -474,6 +490,8 @@ TEST_F(TrainerTest, SaysSoWhenTheInitialNumbersAreNotFinite) {
   GaussianModel start = Start();
   start.sh_dc[0] = NAN;
   Trainer trainer(Options(10), start, 2.0, &images, pool);
+  EXPECT_EQ(trainer.GoBackUnlessFinite().status().code(),
+            StatusCode::kUnusableResult);
   EXPECT_EQ(Finish(&trainer).code(), StatusCode::kUnusableResult);
 }
 
@@ -503,6 +521,17 @@ TEST(TrainerOptions, CheckRefusesValuesOutOfRange) {
   options = TrainerOptions();
   options.average_from = 1.5;
   EXPECT_FALSE(options.Check().ok());
+  options = TrainerOptions();
+  options.budget = std::numeric_limits<int64_t>::max();
+  EXPECT_FALSE(options.Check().ok());
+  options = TrainerOptions();
+  options.densification.split_shrink = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(options.Check().ok());
+  for (const double near_plane : {-1.0, 0.0, std::nan("")}) {
+    options = TrainerOptions();
+    options.render.near_plane = near_plane;
+    EXPECT_FALSE(options.Check().ok());
+  }
 }
 
 }  // namespace

@@ -187,6 +187,19 @@ TEST_F(ExportCommandTest, OneGaussianDoesNotKeepAnObjectFromSpz) {
   EXPECT_EQ(object->size(), 30u);
 }
 
+TEST_F(ExportCommandTest, AnObjectDoesNotReplaceWhatIsImported) {
+  workspace_.AddInstances();
+  WriteText(workspace_ / "config.ini",
+            "[reconstruct]\nimport = " + File("objects/1.ply") + "\n");
+  WriteText(File("objects/1.ply"), "mine");
+  const Status status =
+      Export({workspace(), "--objects", File("objects"), "--only", "1"});
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(ReadText(File("objects/1.ply")), "mine");
+  EXPECT_TRUE(
+      Export({workspace(), "--objects", File("objects"), "--only", "2"}).ok());
+}
+
 TEST_F(ExportCommandTest, ObjectsOfAnEarlierExportAreCounted) {
   workspace_.AddInstances();
   const std::string all = File("all");

@@ -58,6 +58,27 @@ TEST_F(RenderCommandTest, SamePicturesInAnyUnitAndDepthInIt) {
   }
 }
 
+// The names of views may have folders.
+TEST_F(RenderCommandTest, NoPictureGoesWhereTheStagesRead) {
+  const std::string file = (out_.path() / "cameras.json").string();
+  WriteText(file, Cameras("undistort/images/", Sim3d()).dump());
+  const Status status = Render(
+      {workspace(), "--cameras", file, "--no-align", "--out", workspace()});
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << status.message();
+
+  nlohmann::json cameras = Cameras("", Sim3d());
+  cameras["train"]["preview/photo1.png"] = cameras["train"]["photo1.png"];
+  WriteText(file, cameras.dump());
+  const std::vector<std::string> words = {
+      workspace(), "--cameras", file, "--no-align", "--out", out()};
+  EXPECT_TRUE(Render(words).ok());
+  std::vector<std::string> instances = words;
+  instances.insert(instances.end(), {"--what", "depth"});
+  const Status preview = Render(instances);
+  EXPECT_EQ(preview.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(preview.message(), HasSubstr("preview of another"));
+}
+
 TEST_F(RenderCommandTest, SizeOverridesTrainingSize) {
   ASSERT_TRUE(Render({workspace(), "--out", out(), "--size", "48"}).ok());
   const auto picture = ReadRgb(out() + "/photo1.png");

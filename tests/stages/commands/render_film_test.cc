@@ -124,6 +124,26 @@ TEST_F(RenderFilmTest, FramesOfALongerWayAreRemoved) {
   }
 }
 
+TEST_F(RenderFilmTest, PicturesThatReplacedFramesStay) {
+  ASSERT_TRUE(RenderFrames("1", "color").ok());
+  nlohmann::json cameras = Cameras("", Sim3d());
+  cameras["test"] = nlohmann::json::object();
+  cameras["train"]["frame_0003.jpg"] = cameras["train"]["photo1.png"];
+  WriteText(out_.path() / "cameras.json", cameras.dump());
+  const Status status = Render({workspace(),
+                                "--cameras",
+                                (out_.path() / "cameras.json").string(),
+                                "--no-align",
+                                "--out",
+                                out()});
+  ASSERT_TRUE(status.ok()) << status.message();
+  ASSERT_TRUE(RenderFrames("0.25", "color").ok());
+  EXPECT_THAT(output_.str(), HasSubstr("1 pictures of a longer path"));
+  const std::filesystem::path folder = out();
+  EXPECT_FALSE(std::filesystem::exists(folder / "frame_0002.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "frame_0003.png"));
+}
+
 TEST_F(RenderFilmTest, FramesOfSomebodyElseStay) {
   const std::filesystem::path folder = out();
   for (const char* name : {"frame_0003.png", "frame_0004.png"}) {

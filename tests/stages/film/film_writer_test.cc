@@ -52,6 +52,19 @@ TEST(FilmWriterTest, ReadsBack) {
   EXPECT_EQ(count, 12);
 }
 
+TEST(FilmWriterTest, LimitsOfTheFormat) {
+  const TemporaryFolder folder;
+  const Status wide =
+      FilmWriter::Open(folder / "film.mp4", 8194, 16, 30).status();
+  EXPECT_EQ(wide.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(wide.message(), testing::HasSubstr("--size"));
+  // A rate that is no fraction of small numbers.
+  auto film = FilmWriter::Open(folder / "film.mp4", 32, 24, 119.881);
+  ASSERT_TRUE(film.ok()) << film.status().message();
+  ASSERT_TRUE((*film)->Write(PlainPicture(32, 24, 0)).ok());
+  EXPECT_TRUE((*film)->Close().ok());
+}
+
 TEST(FilmWriterTest, NothingIsLeftWithoutClose) {
   const TemporaryFolder folder;
   {

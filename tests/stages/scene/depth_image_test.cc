@@ -29,6 +29,9 @@ TEST(DepthImageTest, EncodesWithSaturation) {
   EXPECT_EQ(encoded(1, 0), 1234);
   EXPECT_EQ(encoded(2, 0), 65535);
   EXPECT_EQ(encoded(3, 0), 65535);
+  // What is nearer than half a step is not nothing.
+  EXPECT_EQ(EncodeDepth(depth, 10)(1, 0), 1);
+  EXPECT_EQ(EncodeDepth(depth, 10)(0, 0), 0);
 }
 
 TEST(DepthImageTest, ColoursNearBrightAndNothingBlack) {

@@ -107,6 +107,16 @@ TEST(OutputNamesTest, AViewIsFoundByItsName) {
   EXPECT_FALSE(OutputNameByView(Named({"../a"}), "").ok());
 }
 
+TEST(OutputNamesTest, RefusesOneFileForTwoViews) {
+  for (const auto& views : {std::vector<std::string>{"./a.png", "a.png"},
+                            {"b/a.png", "b//a.png"},
+                            {"a.jpg", "a.png/b.jpg"}}) {
+    const Status status = OutputNames(Named(views), ".png").status();
+    EXPECT_EQ(status.code(), StatusCode::kBadInput) << views[0];
+    EXPECT_NE(status.message().find(views[0]), std::string::npos);
+  }
+}
+
 TEST(OutputNamesTest, RefusesNamesThatLeaveTheFolder) {
   for (const char* name : {"", "/etc/x.png", "../x.png", "a/../../x", "a/"}) {
     EXPECT_EQ(OutputNames(Named({name}), ".png").status().code(),

@@ -2,8 +2,11 @@
 
 #include "stages/viewer/viewer_scene.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -93,6 +96,9 @@ TEST_F(ViewerSceneTest, WhatIsFarAndLargeKeepsItsSizeInTheView) {
   splat::GaussianModel model = workspace_.model;
   for (int k = 0; k < 3; ++k) model.means[k] = k == 2 ? 4000 : 0;
   for (int k = 0; k < 3; ++k) model.log_scales[k] = std::log(1500.0f);
+  // Hills before the sky.
+  for (int k = 3; k < 6; ++k) model.means[k] = k == 5 ? 1300 : 0;
+  for (int k = 3; k < 6; ++k) model.log_scales[k] = std::log(50.0f);
   ASSERT_TRUE(
       splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply", model)
           .ok());
@@ -106,6 +112,14 @@ TEST_F(ViewerSceneTest, WhatIsFarAndLargeKeepsItsSizeInTheView) {
   EXPECT_NEAR(*largest - std::log(shown->means[3 * g + 2]),
               std::log(1500.0 / 4000),
               0.04);
+  // The second largest is still nearer, and as large from the cameras.
+  std::vector<float> distances;
+  for (size_t i = 2; i < shown->means.size(); i += 3) {
+    distances.push_back(shown->means[i]);
+  }
+  std::ranges::sort(distances, std::greater<>());
+  EXPECT_LT(distances[1], distances[0] - 50);
+  EXPECT_GT(distances[1], 500);
 }
 
 TEST_F(ViewerSceneTest, FollowsTheContract) {
