@@ -229,15 +229,20 @@ Eigen::Vector3d BentToLevelCameras(std::span<const View> views,
                                    const Eigen::Vector3d& up) {
   // The given direction counts as much as x axes do that fan out by 4 degrees.
   constexpr double kWeightOfUp = 0.005;
-  const Eigen::Vector3d first = up.normalized();
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
-  for (const View& view : views) {
-    const Eigen::Vector3d right =
-        view.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitX();
-    matrix += kWeightOfUp * Eigen::Matrix3d::Identity();
-    if (std::abs(right.dot(first)) < 0.5) matrix += right * right.transpose();
+  // Which x axes are level shows only when the direction is about right.
+  constexpr int kRounds = 3;
+  Eigen::Vector3d bent = up.normalized();
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+    for (const View& view : views) {
+      const Eigen::Vector3d right =
+          view.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitX();
+      matrix += kWeightOfUp * Eigen::Matrix3d::Identity();
+      if (std::abs(right.dot(bent)) < 0.5) matrix += right * right.transpose();
+    }
+    bent = matrix.ldlt().solve(up).normalized();
   }
-  return matrix.ldlt().solve(up).normalized();
+  return bent;
 }
 
 std::optional<Eigen::Vector3d> EstimateVertical(std::span<const View> views,

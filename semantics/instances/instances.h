@@ -69,8 +69,8 @@ std::vector<Instance> BuildInstances(
 
 // Bends an upward direction until it is at right angles to the x axes of the
 // cameras, as far as these point in different directions: people hold cameras
-// level, wherever they look. Cameras whose x axes rise by 30 degrees and more
-// are left out; they were held upright.
+// level, wherever they look. Cameras whose x axes rise by 30 degrees or more
+// are left out: they were held on their side.
 Eigen::Vector3d BentToLevelCameras(std::span<const View> views,
                                    const Eigen::Vector3d& up);
 

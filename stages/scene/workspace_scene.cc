@@ -140,6 +140,8 @@ StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
     return BadInputError("views \"" + other->second + "\" and \"" +
                          views[i].name + "\" would have the same file");
   }
+  // Without a suffix they are names of folders, which may lie in each other.
+  if (suffix.empty()) return names;
   for (const std::string& name : names) {
     for (fs::path folder = fs::path(name).parent_path(); !folder.empty();
          folder = folder.parent_path()) {

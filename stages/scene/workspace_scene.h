@@ -82,8 +82,8 @@ Image<int32_t> RenderLabels(const WorkspaceScene& scene,
 // views may have the same name. It is the view's name with its extension
 // replaced. Where two views would get the same file, the suffix is appended to
 // the whole name instead. kBadInput when a name is empty, absolute, or leaves
-// its folder ("../x"), and when two names are the same file ("./x") or one
-// would be a folder of another.
+// its folder ("../x"), when two names are the same file ("./x"), and, unless
+// `suffix` is empty, when one would be a folder of another.
 StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
                                                const std::string& suffix);
 

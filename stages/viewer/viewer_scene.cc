@@ -155,8 +155,9 @@ double DistanceOf(const splat::GaussianModel& model, size_t g) {
 
 // Brings nearer what is too far away, or far away and too large for the format,
 // and makes it smaller by the same factor. From the cameras, which are near the
-// origin, it looks the same. All that is far away moves by one rule, so that
-// what hides another thing still does: a distance becomes a power of itself.
+// origin, it looks the same. All that is far away moves by one rule, by which a
+// distance becomes a power of itself, so that along a line of sight what hides
+// another thing still does.
 void BringNearer(splat::GaussianModel* model) {
   double power = 1;
   for (size_t g = 0; g < model->size(); ++g) {
@@ -167,8 +168,9 @@ void BringNearer(splat::GaussianModel* model) {
     const double fits = std::min(
         double{kFarthest},
         distance * std::exp(std::min(0.0, splat::kMaxSpzLogScale - log_scale)));
-    // What is too large even at kFar loses its size.
-    if (fits <= kFar) continue;
+    // What is too large even much nearer loses its size, or it would take all
+    // that is far away to one distance.
+    if (fits < 2 * kFar) continue;
     power = std::min(power, std::log(fits / kFar) / std::log(distance / kFar));
   }
   if (power >= 1) return;

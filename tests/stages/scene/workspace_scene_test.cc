@@ -115,6 +115,8 @@ TEST(OutputNamesTest, RefusesOneFileForTwoViews) {
     EXPECT_EQ(status.code(), StatusCode::kBadInput) << views[0];
     EXPECT_NE(status.message().find(views[0]), std::string::npos);
   }
+  // Folders may lie in each other.
+  EXPECT_TRUE(OutputNames(Named({"a.jpg", "a/b.jpg"}), "").ok());
 }
 
 TEST(OutputNamesTest, RefusesNamesThatLeaveTheFolder) {
