@@ -17,7 +17,7 @@ constexpr int kMaxLabels = 65535;
 constexpr uint64_t kMaxValues = uint64_t{1} << 31;
 
 // e^x for x <= 0 including minus infinity, with a relative error of 3e-7;
-// exactly zero for x <= -88. It has no branches, so that the compiler
+// exactly zero below about -87.7. It has no branches, so that the compiler
 // vectorises loops over it.
 inline float ExpOfNegative(float x) {
   constexpr float kLowest = -88.0f;  // Its power of two has zero bits only.
