@@ -156,9 +156,9 @@ Status CreateFolders(const fs::path& path) {
   return Status();
 }
 
-bool IsNameTaken(const std::filesystem::path& path) {
+bool IsNameTaken(const fs::path& path) {
   std::error_code error;
-  return std::filesystem::exists(std::filesystem::symlink_status(path, error));
+  return fs::exists(fs::symlink_status(path, error));
 }
 
 bool IsNameBelowFolder(std::string_view name) {

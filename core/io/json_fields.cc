@@ -197,7 +197,7 @@ Status CheckRotation(const Eigen::Matrix3d& rotation,
                      const std::string& where,
                      double tolerance) {
   const Eigen::Matrix3d product = rotation * rotation.transpose();
-  // The largest of several numbers may pass over one that is none.
+  // Eigen's maxCoeff() may pass over NaN, so every entry is compared.
   const bool is_orthogonal =
       ((product - Eigen::Matrix3d::Identity()).array().abs() <= tolerance)
           .all();

@@ -161,9 +161,9 @@ class Trainer {
   // Makes one gradient step, and then what the schedule says. Fails with
   // kUnusableResult when training diverges too often, when no Gaussian is left,
   // and at milestones when none is visible; with kBadInput when a photo has
-  // become unreadable. A milestone
-  // renders every photo, which can take minutes. So it may be cancelled, unlike
-  // the rest of the step; `cancellation` may be null.
+  // become unreadable. A milestone renders every photo, which can take minutes.
+  // So it may be cancelled, unlike the rest of the step; `cancellation` may be
+  // null.
   StatusOr<StepReport> Step(const CancellationToken* cancellation = nullptr);
 
   // Makes the milestone that was cancelled after the last step, also after

@@ -13,7 +13,6 @@
 
 #include "core/io/files.h"
 #include "core/text.h"
-#include "photos/photo_scan.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/workspace.h"
 #include "stages/command_line/completion_values.h"

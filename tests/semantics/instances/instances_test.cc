@@ -193,8 +193,7 @@ TEST(InstancesTest, VerticalIsThatOfLevelCameras) {
   // From above, where the mean of the cameras leans by as much as they look
   // down.
   views.clear();
-  for (int k = 0; k < 41; ++k)
-    views.push_back(LevelView(0.075 * (k - 20), -1.2));
+  for (int k = -20; k <= 20; ++k) views.push_back(LevelView(0.075 * k, -1.2));
   EXPECT_GT(EstimateVertical(views, {})->z(), 0.999);
   // Where the x axes are parallel they say nothing of how cameras are pitched.
   views = {LevelView(0, -0.3), LevelView(0, -0.3)};

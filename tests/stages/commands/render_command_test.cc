@@ -72,9 +72,9 @@ TEST_F(RenderCommandTest, NoPictureGoesWhereTheStagesRead) {
   const std::vector<std::string> words = {
       workspace(), "--cameras", file, "--no-align", "--out", out()};
   EXPECT_TRUE(Render(words).ok());
-  std::vector<std::string> instances = words;
-  instances.insert(instances.end(), {"--what", "depth"});
-  const Status preview = Render(instances);
+  std::vector<std::string> with_previews = words;
+  with_previews.insert(with_previews.end(), {"--what", "depth"});
+  const Status preview = Render(with_previews);
   EXPECT_EQ(preview.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(preview.message(), HasSubstr("preview of another"));
 }

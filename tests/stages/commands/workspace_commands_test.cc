@@ -56,6 +56,18 @@ TEST_F(CommandTest, InitKeepsWhatIsThere) {
       RunInitCommand, {}, StatusCode::kInvalidArgument, "init WORKSPACE");
 }
 
+// A common config.ini on a disk that is not there.
+TEST_F(CommandTest, AConfigThatLeadsNowhereIsNotPassedOver) {
+  ASSERT_TRUE(Call(RunInitCommand, {Path("w")}).ok());
+  const fs::path config = folder_ / "w" / "config.ini";
+  fs::remove(config);
+  fs::create_symlink(folder_ / "none" / "common.ini", config);
+  ExpectError(
+      RunStatusCommand, {Path("w")}, StatusCode::kBadInput, "config.ini");
+  ASSERT_TRUE(Call(RunInitCommand, {Path("w")}).ok());
+  EXPECT_TRUE(fs::is_symlink(config));
+}
+
 TEST_F(CommandTest, StatusOfANewWorkspace) {
   ASSERT_TRUE(Call(RunInitCommand, {Path("w")}).ok());
   ASSERT_TRUE(Call(RunStatusCommand, {Path("w")}).ok());

@@ -26,6 +26,16 @@ class ViewerSceneTest : public testing::Test {
            static_cast<uint8_t>(labels[2 * index + 1]) << 8;
   }
 
+  // What the page shows of this model, in its first part.
+  StatusOr<splat::GaussianModel> Shown(
+      const splat::GaussianModel& model) const {
+    FREEGS_RETURN_IF_ERROR(
+        splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply", model));
+    FREEGS_ASSIGN_OR_RETURN(const ViewerScene scene,
+                            MakeViewerScene(workspace_.path(), {}));
+    return splat::ParseSpz(scene.parts[0].splats, false);
+  }
+
   SyntheticWorkspace workspace_;
 };
 
@@ -74,12 +84,7 @@ TEST_F(ViewerSceneTest, ShowsWhatIsVeryFarAway) {
   splat::GaussianModel model = workspace_.model;
   for (int k = 0; k < 3; ++k) model.means[k] = k == 0 ? 1e12f : 0;
   for (int k = 0; k < 3; ++k) model.log_scales[k] = 20;
-  ASSERT_TRUE(
-      splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply", model)
-          .ok());
-  const auto scene = MakeViewerScene(workspace_.path(), {});
-  ASSERT_TRUE(scene.ok()) << scene.status().message();
-  const auto shown = splat::ParseSpz(scene->parts[0].splats, false);
+  const auto shown = Shown(model);
   ASSERT_TRUE(shown.ok() && expected.ok());
   ASSERT_EQ(shown->size(), expected->size());
   EXPECT_NEAR(shown->means[0], 32767, 1);
@@ -97,12 +102,7 @@ TEST_F(ViewerSceneTest, WhatIsFarAndLargeKeepsItsSizeInTheView) {
   // Hills before the sky.
   for (int k = 3; k < 6; ++k) model.means[k] = k == 5 ? 1300 : 0;
   for (int k = 3; k < 6; ++k) model.log_scales[k] = std::log(50.0f);
-  ASSERT_TRUE(
-      splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply", model)
-          .ok());
-  const auto scene = MakeViewerScene(workspace_.path(), {});
-  ASSERT_TRUE(scene.ok()) << scene.status().message();
-  const auto shown = splat::ParseSpz(scene->parts[0].splats, false);
+  const auto shown = Shown(model);
   ASSERT_TRUE(shown.ok());
   const auto largest =
       std::max_element(shown->log_scales.begin(), shown->log_scales.end());
