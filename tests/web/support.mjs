@@ -324,7 +324,7 @@ export async function settle(page) {
           const last = statistics.times.at(-1) ?? 0;
           calm = statistics.first !== null && last === seen ? calm + 1 : 0;
           seen = last;
-          if (calm < 4) setTimeout(look, 400);
+          if (calm < 4) setTimeout(look, 200);
           else resolve();
         };
         look();
