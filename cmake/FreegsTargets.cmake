@@ -31,8 +31,8 @@ if(FREEGS_FUZZ)
   target_compile_options(freegs_warnings INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# Large headers of the standard library, Eigen and GoogleTest, compiled once for
-# all files of one optimisation level. Headers of ours are not among them: every
+# Large headers of the standard library, Eigen, GoogleTest and JSON, compiled once
+# for all files of one optimisation level. Headers of ours are not among them: every
 # file still includes what it uses (a build with FREEGS_PCH=OFF shows it).
 function(freegs_add_precompiled_headers target)
   file(WRITE ${CMAKE_BINARY_DIR}/generated/${target}.cc "")
@@ -50,7 +50,7 @@ if(FREEGS_PCH)
     add_compile_options(-fpch-preprocess)  # Else ccache keeps nothing.
   endif()
   freegs_add_precompiled_headers(freegs_pch)
-  freegs_add_precompiled_headers(freegs_pch_cold)
+  freegs_add_precompiled_headers(freegs_pch_cold <nlohmann/json.hpp>)
   target_compile_options(freegs_pch_cold PRIVATE $<$<CONFIG:Release>:-O1>)
 endif()
 

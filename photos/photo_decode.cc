@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include <opencv2/imgcodecs.hpp>
@@ -143,6 +145,12 @@ Status CheckHeader(const PhotoHeader& header,
              ? "; reduce the photo"
              : " (" + option + "); reduce the photo or raise the limit"));
   }
+  constexpr int64_t kMaxSide = 1'000'000;  // libpng reads no longer ones.
+  if (std::max(header.width, header.height) > kMaxSide) {
+    return BadInputError(SizeText(header) + ", longer than " +
+                         std::to_string(kMaxSide) +
+                         " on a side; reduce or cut it");
+  }
   if (std::min(header.width, header.height) < options.min_side) {
     return BadInputError("only " + SizeText(header) + ", shorter than " +
                          std::to_string(options.min_side) +
@@ -194,8 +202,12 @@ InspectedPhoto PhotoInspector::Inspect(const std::filesystem::path& folder,
     std::string message = status.message();
     const std::string prefix = path.string() + ": ";
     if (message.starts_with(prefix)) message.erase(0, prefix.size());
-    status = BadInputError(message +
-                           "; make it a file that you may read, or remove it");
+    std::error_code error;
+    const bool large =
+        std::filesystem::file_size(path, error) > kMaxPhotoFileBytes && !error;
+    status = BadInputError(
+        message + (large ? "; reduce it, or remove it"
+                         : "; make it a file that you may read, or remove it"));
   }
   if (!status.ok()) {
     result.photo.split = PhotoSplit::kRejected;

@@ -92,10 +92,13 @@ std::string SafeName(const Photo& photo) {
   return safe + SafePart(stem, kMaxPartBytes) + SafeExtension(photo);
 }
 
-// Names in use. A name that is a folder to another one is in use, too.
+// Names in use. A name that is a folder to another one is in use, too. Names
+// that differ only in large and small letters are one: they are on disks as
+// cameras and Windows have them, where a workspace may lie.
 class Names {
  public:
-  bool Take(const std::string& name) {
+  bool Take(const std::string& wish) {
+    const std::string name = AsciiLower(wish);
     if (taken_.contains(name) || folders_.contains(name)) return false;
     std::set<std::string> folders;
     for (size_t at = name.find('/'); at != std::string::npos;
@@ -111,7 +114,8 @@ class Names {
 
   // The length of the first folder of a name that is a file already, or else
   // that of the whole name.
-  size_t BlockedPart(const std::string& name) const {
+  size_t BlockedPart(const std::string& wish) const {
+    const std::string name = AsciiLower(wish);
     for (size_t at = name.find('/'); at != std::string::npos;
          at = name.find('/', at + 1)) {
       if (taken_.contains(name.substr(0, at))) return at;

@@ -3,6 +3,7 @@
 #include "pipeline/interrupt.h"
 
 #include <atomic>
+#include <cerrno>
 #include <cstdint>
 #include <ctime>
 #include <string_view>
@@ -32,7 +33,7 @@ static_assert(std::atomic<int64_t>::is_always_lock_free);
 constexpr int64_t kSameSignalNs = 1'000'000'000;
 
 // Calls only what is safe in a signal handler.
-void OnSignal(int) {
+void Cancel() {
   CancellationToken* token = current_token.load(std::memory_order_relaxed);
   if (token == nullptr) _exit(ExitCode(StatusCode::kInterrupted));
   timespec time = {};
@@ -54,6 +55,13 @@ void OnSignal(int) {
                                     : kNote;
   [[maybe_unused]] const ssize_t ignored =
       write(STDERR_FILENO, note.data(), note.size());
+}
+
+// What was interrupted may look at errno afterwards.
+void OnSignal(int) {
+  const int saved = errno;
+  Cancel();
+  errno = saved;
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 
 #include "pipeline/logger.h"
 
+#include <cstdlib>
 #include <ctime>
 #include <iostream>
+#include <string_view>
 #include <unistd.h>
 
 namespace freegs::pipeline {
@@ -35,7 +37,9 @@ const char* Prefix(LogLevel level) {
 }  // namespace
 
 bool IsTerminal(const std::ostream& stream) {
-  return &stream == &std::cerr && isatty(STDERR_FILENO) != 0;
+  const char* type = std::getenv("TERM");
+  return &stream == &std::cerr && isatty(STDERR_FILENO) != 0 &&
+         type != nullptr && std::string_view(type) != "dumb";
 }
 
 Logger::Logger(std::ostream& console,

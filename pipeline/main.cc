@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <exception>
+#include <fcntl.h>
 #include <iostream>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 #include "core/cancellation.h"
@@ -21,6 +23,17 @@
 
 namespace freegs {
 namespace {
+
+// A file that is opened gets the lowest free number, so a closed standard
+// stream would become a file of ours, with what is printed in it. /dev/null
+// takes its place. It is opened so that printing to a closed standard output
+// still fails.
+void OccupyStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) != -1) continue;
+    open("/dev/null", stream == STDOUT_FILENO ? O_RDONLY : O_RDWR);
+  }
+}
 
 void PrintHelp() {
   std::vector<stages::CommandWords> all;
@@ -89,6 +102,7 @@ int main(int argc, char** argv) {
   // The project's code does not throw; the standard library can when memory
   // runs out, and a stack of "terminate called" helps nobody.
   try {
+    freegs::OccupyStandardStreams();
     return freegs::Main(argc, argv);
   } catch (const std::exception& e) {
     std::cerr << "freegs_pipeline: "

@@ -3,7 +3,9 @@
 #include "pipeline/stage_output.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fcntl.h>
 #include <system_error>
 #include <unistd.h>
@@ -44,13 +46,17 @@ Status Rename(const fs::path& from, const fs::path& to) {
 }
 
 // Puts everything written so far on disk, so that after a power cut the record
-// is not there before what it vouches for.
-void FlushFileSystem(const fs::path& folder) {
+// is not there before what it vouches for. Fails where the disk did not take
+// it. File systems that cannot be told to do so are left as they are.
+Status FlushFileSystem(const fs::path& folder) {
   const int descriptor =
       open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  syncfs(descriptor);
+  if (descriptor < 0) return Status();
+  const int reason = syncfs(descriptor) == 0 ? 0 : errno;
   close(descriptor);
+  if (reason != EIO && reason != ENOSPC && reason != EDQUOT) return Status();
+  return InternalError(folder.string() +
+                       ": cannot write: " + std::strerror(reason));
 }
 
 bool IsFinished(const fs::path& folder) {
@@ -173,7 +179,7 @@ Status FinishPartial(const fs::path& workspace,
                      const std::string& stage,
                      const StageRecord& record) {
   const fs::path partial = PartialFolder(workspace, stage);
-  FlushFileSystem(partial);
+  FREEGS_RETURN_IF_ERROR(FlushFileSystem(partial));
   FREEGS_RETURN_IF_ERROR(WriteStageRecord(partial, record));
   return Swap(workspace, stage);
 }

@@ -407,7 +407,8 @@ Status StageRunner::RunStage(RunnerStage& stage,
     // what those keep for later.
     need.memory_bytes +=
         std::max<int64_t>(0, ResidentMemoryBytes() - kProgramMemory);
-    const int64_t available = Memory().available_bytes;
+    // What this process holds already is part of the need.
+    const int64_t available = Memory().available_bytes + ResidentMemoryBytes();
     logger_.Log(
         need.memory_bytes > available ? LogLevel::kWarning : LogLevel::kInfo,
         name + ": " + MemoryText(need, available));

@@ -58,6 +58,15 @@ enum class GoneRule {
   kAny,           // All that are not there, also those that never were.
 };
 
+// Whether an input of a record lay in one that is gone now. Where a record does
+// not say where they lay, all did.
+bool LayIn(const InputFingerprint& input, const InputFingerprint& gone) {
+  if (gone.path.empty()) return true;
+  return !input.path.empty() &&
+         (LiesIn(input.path, gone.path) ||
+          LiesIn(FromWorkspace(input), FromWorkspace(gone)));
+}
+
 // Given inputs that are gone are set to what they were; returns their names.
 // Once one of them is gone, inputs that the stage finds in it, such as the
 // targets of links, are not named any more: these are set to what they were,
@@ -68,6 +77,7 @@ std::vector<std::string> KeepGoneInputs(const StageFingerprint& then,
   const auto& before = then.inputs;
   auto& inputs = now->fingerprint.inputs;
   std::vector<std::string> gone;
+  std::vector<InputFingerprint> places;  // Of those that are gone.
   for (const std::string& name : now->given) {
     const auto old = before.find(name);
     if (!IsGone(inputs[name], old == before.end() ? nullptr : &old->second)) {
@@ -79,15 +89,23 @@ std::vector<std::string> KeepGoneInputs(const StageFingerprint& then,
     }
     if (old == before.end()) {
       // A folder of which the stage knew the files while it was there.
+      places.push_back(inputs[name]);
       inputs.erase(name);
     } else if (!old->second.missing()) {
+      places.push_back(old->second);
       inputs[name] = old->second;
     } else {
       continue;
     }
     gone.push_back(name);
   }
-  if (!gone.empty()) inputs.insert(before.begin(), before.end());
+  for (const auto& [name, input] : before) {
+    if (std::any_of(places.begin(), places.end(), [&](const auto& place) {
+          return rule == GoneRule::kAny || LayIn(input, place);
+        })) {
+      inputs.emplace(name, input);
+    }
+  }
   return gone;
 }
 

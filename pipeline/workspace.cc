@@ -181,7 +181,7 @@ bool IsLocked(const fs::path& workspace) {
 StatusOr<WorkspaceLock> WorkspaceLock::Acquire(const fs::path& workspace) {
   const fs::path path = workspace / ".lock";
   // Children must not keep the lock alive after this process: O_CLOEXEC.
-  const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) {
     return BadInputError(workspace.string() +
                          ": cannot write here: " + std::strerror(errno));

@@ -111,7 +111,7 @@ step() {
     if read -r counted total < <(how_far "$name") && ((counted > 8)); then
       left=$((passed * (total - counted) / counted))
     fi
-    if [[ -t 2 ]]; then
+    if [[ -t 2 && ${TERM:-dumb} != dumb ]]; then
       printf '\r\033[K%s, about %s left for the whole' "$name" "$(minutes $((left + later)))" >&2
     elif ((passed - shown >= 30)); then
       shown=$passed
@@ -119,7 +119,7 @@ step() {
     fi
     sleep 1
   done
-  [[ ! -t 2 ]] || printf '\r\033[K' >&2
+  [[ ! -t 2 || ${TERM:-dumb} == dumb ]] || printf '\r\033[K' >&2
   local status=0
   wait "$job" || status=$?
   job=""

@@ -307,7 +307,8 @@ class ModelCard:
 def export_folder(state, arch, merges, out, card, dense_sizes=(),
                   half_table=True):
     """Writes the model folder `out`, made anew, from a checkpoint."""
-    merges, out = Path(merges), Path(out)
+    # A link is followed: what it leads to is made anew.
+    merges, out = Path(merges), Path(out).resolve()
     if not merges.is_file():
         raise CheckpointError(f"{merges}: no such file; it comes with OpenAI's "
                               "code as bpe_simple_vocab_16e6.txt.gz")

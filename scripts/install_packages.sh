@@ -71,6 +71,6 @@ for ((tries = 60; ; --tries)); do
 done
 echo "$said"
 # Waits when somebody else is installing.
-"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+"${as_root[@]}" env LC_ALL=C DEBIAN_FRONTEND=noninteractive \
   apt-get install -q -y --no-install-recommends -o DPkg::Lock::Timeout=600 \
   "${missing[@]}"

@@ -52,6 +52,19 @@ Outcome Shell(const std::string& line) {
   return CallProgram({"/bin/sh", "-c", line, FREEGS_PROGRAM});
 }
 
+// A scene of 12 small photos in `folder`.
+Status MakeScene(const fs::path& folder, int width, int height) {
+  scene_maker::SceneMakerOptions options;
+  options.views = 12;
+  options.test_views = 2;
+  options.width = width;
+  options.height = height;
+  FREEGS_ASSIGN_OR_RETURN(const scene_maker::Scene scene,
+                          scene_maker::BuildScene(options));
+  ThreadPool pool;
+  return scene_maker::WriteScene(scene, folder, pool, {});
+}
+
 TEST(ProgramTest, HelpAndVersion) {
   EXPECT_EQ(Call({"--help"}).code, 0);
   for (const char* command : {"run", "query", "completion"}) {
@@ -106,6 +119,37 @@ TEST(ProgramTest, LostOutputIsAnError) {
       Shell("\"$0\" init '" + folder.path().string() + "' >/dev/full").code, 1);
 }
 
+// The lowest free number would go to a file that the program writes.
+TEST(ProgramTest, ClosedStreamsDoNotBecomeFiles) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(MakeScene(folder / "scene", 80, 60).ok());
+  const std::string in = "cd '" + folder.path().string() + "' && ";
+  const Outcome outcome =
+      Shell(in + "\"$0\" run scene/images w --to ingest <&- >&- 2>&-");
+  EXPECT_EQ(outcome.code, 1);  // Standard output cannot be written.
+  EXPECT_TRUE(fs::exists(folder / "w/ingest/stage.json"));
+  EXPECT_EQ(fs::file_size(folder / "w/.lock"), 0u);
+  EXPECT_EQ(Shell(in + "\"$0\" run scene/images v --to ingest 2>&-").code, 0);
+  EXPECT_EQ(fs::file_size(folder / "v/.lock"), 0u);
+}
+
+// A group may share a workspace.
+TEST(ProgramTest, FilesHaveTheModeThatTheUserWants) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(MakeScene(folder / "scene", 80, 60).ok());
+  const std::string in = "cd '" + folder.path().string() + "' && ";
+  for (const auto& [mask, mode] : {std::pair("002", "664"), {"077", "600"}}) {
+    ASSERT_EQ(Shell(in + "umask " + mask +
+                    "; \"$0\" run scene/images w --to ingest && stat -c %a "
+                    "w/.lock w/workspace.json w/ingest/stage.json >modes")
+                  .code,
+              0);
+    EXPECT_EQ(ReadText(folder / "modes"),
+              std::string(mode) + "\n" + mode + "\n" + mode + "\n");
+    fs::remove_all(folder / "w");
+  }
+}
+
 TEST(ProgramTest, OutputsThatCannotBeWritten) {
   const TemporaryFolder folder;
   folder.Write("file", "");
@@ -138,19 +182,6 @@ TEST(ProgramTest, ExitCodes) {
       Call({"run", (folder / "photos").string(), workspace});
   EXPECT_EQ(outcome.code, 3) << outcome.text;
   EXPECT_THAT(outcome.text, HasSubstr("ingest"));
-}
-
-// A scene of 12 small photos in `folder`.
-Status MakeScene(const fs::path& folder, int width, int height) {
-  scene_maker::SceneMakerOptions options;
-  options.views = 12;
-  options.test_views = 2;
-  options.width = width;
-  options.height = height;
-  FREEGS_ASSIGN_OR_RETURN(const scene_maker::Scene scene,
-                          scene_maker::BuildScene(options));
-  ThreadPool pool;
-  return scene_maker::WriteScene(scene, folder, pool, {});
 }
 
 // A model that somebody else put into the workspace names a photo outside of
@@ -205,7 +236,7 @@ TEST(ProgramTest, NothingOutsideOfTheWorkspaceIsWritten) {
 TEST(ProgramTest, FromPhotosToReport) {
   if (Call({"doctor"}).code != 0) GTEST_SKIP() << "COLMAP is not installed";
   const TemporaryFolder folder;
-  ASSERT_TRUE(MakeScene(folder / "scene", 320, 240).ok());
+  ASSERT_TRUE(MakeScene(folder / "scene", 240, 180).ok());
   const std::string photos = (folder / "scene" / "images").string();
   const std::string workspace = (folder / "w").string();
   const std::vector<std::string> run = {

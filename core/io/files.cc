@@ -101,7 +101,7 @@ Status WriteFileAtomic(const fs::path& path,
                        std::span<const std::string_view> pieces) {
   const fs::path temporary = path.string() + ".part";
   const int descriptor =
-      open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+      open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) {
     return InternalError(temporary.string() + ": cannot write: " + Reason());
   }

@@ -75,6 +75,11 @@ ClaimedSize JpegSize(std::string_view bytes) {
 
 // Sizes of the first picture (TIFF 6.0, section 2). Compressed by Deflate, as
 // in a PNG. A size that is no plain number counts as too large.
+bool IsTiff(std::string_view bytes) {
+  return bytes.starts_with(std::string_view("II*\0", 4)) ||
+         bytes.starts_with(std::string_view("MM\0*", 4));
+}
+
 ClaimedSize TiffSize(std::string_view bytes) {
   constexpr uint64_t kEntryBytes = 12;
   const auto number = [&](uint64_t at, size_t size) -> uint64_t {
@@ -110,8 +115,7 @@ Status CheckClaimedSize(const fs::path& path, std::string_view bytes) {
     claimed = PngSize(bytes);
   } else if (bytes.starts_with("\xff\xd8")) {
     claimed = JpegSize(bytes);
-  } else if (bytes.starts_with(std::string_view("II*\0", 4)) ||
-             bytes.starts_with(std::string_view("MM\0*", 4))) {
+  } else if (IsTiff(bytes)) {
     claimed = TiffSize(bytes);
   } else {
     return BadInputError(path.string() + ": not a PNG, JPEG or TIFF image");
@@ -196,6 +200,10 @@ StatusOr<ImageU8> ReadRgb(const fs::path& path) {
 StatusOr<ImageU16> ReadLabels(const fs::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadFile(path, kMaxFileBytes));
+  if (IsTiff(bytes)) {
+    return BadInputError(path.string() +
+                         ": label images are PNG files, this is a TIFF");
+  }
   FREEGS_ASSIGN_OR_RETURN(const cv::Mat stored,
                           Decode(path, bytes, cv::IMREAD_UNCHANGED));
   if (stored.channels() != 1 ||

@@ -17,9 +17,9 @@ namespace freegs {
 // cannot be read or is no such image.
 StatusOr<ImageU8> ReadRgb(const std::filesystem::path& path);
 
-// Reads the values of a one-channel PNG, JPEG or TIFF image of 8 or 16 bits, or
-// of a grey PNG of fewer bits, as they are stored. Returns kBadInput for
-// anything else.
+// Reads the values of a one-channel PNG or JPEG image of 8 or 16 bits, or of a
+// grey PNG of fewer bits, as they are stored. Returns kBadInput for anything
+// else: of some TIFF images, OpenCV stretches or inverts the values.
 StatusOr<ImageU16> ReadLabels(const std::filesystem::path& path);
 
 // Writes an image of 1, 3 or 4 channels, atomically. The suffix of the path, in

@@ -54,7 +54,8 @@ if ((code != 0)); then
     echo "$code"
     asked "$@"
     # The last message; without one, the program was killed.
-    grep '^freegs_pipeline: ' "$log" | tail -n 1 | cut -d' ' -f2-
+    # Names in it need not be UTF-8.
+    grep -a '^freegs_pipeline: ' "$log" | tail -n 1 | LC_ALL=C cut -d' ' -f2-
   } >"$failed.new"
   mv -- "$failed.new" "$failed"
   exit "$code"

@@ -247,7 +247,7 @@ Status Child::Start(const ChildCommand& command) {
   if (!command.log_file.empty()) {
     log_ = Descriptor(open(command.log_file.c_str(),
                            O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC,
-                           0644));
+                           0666));
     if (log_.get() < 0) {
       return InternalError(ErrorText(command.log_file.string()));
     }

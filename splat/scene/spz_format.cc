@@ -419,10 +419,10 @@ StatusOr<GaussianModel> ParseSpz(std::string_view bytes, bool flip_axes) {
   return Decode(header, content, SignsBetween(frame, kRightDownFront));
 }
 
-StatusOr<size_t> CountSpzGaussians(std::string_view beginning) {
-  FREEGS_ASSIGN_OR_RETURN(
-      const SpzHeader header,
-      UnpackHeader(beginning, std::numeric_limits<size_t>::max()));
+StatusOr<size_t> CountSpzGaussians(std::string_view beginning,
+                                   uint64_t file_bytes) {
+  FREEGS_ASSIGN_OR_RETURN(const SpzHeader header,
+                          UnpackHeader(beginning, file_bytes));
   return header.count;
 }
 

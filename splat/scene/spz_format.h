@@ -71,9 +71,10 @@ Status WriteSpz(const std::filesystem::path& path,
 // says. Memory is taken only for Gaussians that are there.
 StatusOr<GaussianModel> ParseSpz(std::string_view bytes, bool flip_axes = true);
 
-// The number of Gaussians that a file's header names. `beginning` is the file
-// or at least its first 64 KiB. Fails as ParseSpz does.
-StatusOr<size_t> CountSpzGaussians(std::string_view beginning);
+// The number of Gaussians that the header of a file of `file_bytes` names.
+// `beginning` is the file or at least its first 64 KiB. Fails as ParseSpz does.
+StatusOr<size_t> CountSpzGaussians(std::string_view beginning,
+                                   uint64_t file_bytes);
 
 // ParseSpz of a file. Messages name the file.
 StatusOr<GaussianModel> ReadSpz(const std::filesystem::path& path);

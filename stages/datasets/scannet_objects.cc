@@ -82,6 +82,9 @@ StatusOr<std::vector<ScannetGroup>> ParseScannetGroups(
     FREEGS_RETURN_IF_ERROR(status);
     FREEGS_ASSIGN_OR_RETURN(group.segments,
                             ReadIntegers(segments, reader.Where("segments")));
+    std::ranges::sort(group.segments);
+    const auto repeated = std::ranges::unique(group.segments);
+    group.segments.erase(repeated.begin(), repeated.end());
     if (!ids.insert(group.id).second) {
       return BadInputError(reader.Where("objectId") + ": used twice");
     }
@@ -127,23 +130,27 @@ StatusOr<std::vector<TrueObject>> ScannetBoxes(
                                 " segment numbers for " +
                                 std::to_string(vertices.size()) + " vertices");
   }
-  std::unordered_map<int64_t, std::vector<size_t>> groups_of_segment;
+  // The time grows with the number of vertices plus that of the groups'
+  // segments, because segments that several groups share are gone through once.
+  const auto extend = [](auto* boxes, const auto& key, const auto& by) {
+    const auto [box, is_new] = boxes->try_emplace(key, by);
+    if (is_new) return;
+    box->second.min = box->second.min.cwiseMin(by.min);
+    box->second.max = box->second.max.cwiseMax(by.max);
+  };
+  std::unordered_map<int64_t, semantics::AxisAlignedBox> boxes_of_segments;
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    const Vector3d point = (alignment * vertices[i].homogeneous()).head<3>();
+    extend(&boxes_of_segments,
+           segments[i],
+           semantics::AxisAlignedBox{point, point});
+  }
+  std::map<size_t, semantics::AxisAlignedBox> boxes;
   for (size_t g = 0; g < groups.size(); ++g) {
     if (IsStructure(groups[g].label)) continue;
     for (const int64_t segment : groups[g].segments) {
-      groups_of_segment[segment].push_back(g);
-    }
-  }
-  std::map<size_t, semantics::AxisAlignedBox> boxes;
-  for (size_t i = 0; i < vertices.size(); ++i) {
-    const auto found = groups_of_segment.find(segments[i]);
-    if (found == groups_of_segment.end()) continue;
-    const Vector3d point = (alignment * vertices[i].homogeneous()).head<3>();
-    for (const size_t g : found->second) {
-      const auto [box, is_new] = boxes.try_emplace(g);
-      if (is_new) box->second = {point, point};
-      box->second.min = box->second.min.cwiseMin(point);
-      box->second.max = box->second.max.cwiseMax(point);
+      const auto found = boxes_of_segments.find(segment);
+      if (found != boxes_of_segments.end()) extend(&boxes, g, found->second);
     }
   }
   std::vector<TrueObject> objects;

@@ -18,6 +18,8 @@ using namespace std::string_view_literals;
 constexpr std::string_view kJpegStart = "\xff\xd8"sv;
 constexpr std::string_view kExifPrefix = "Exif\0\0"sv;
 constexpr int kExifSegment = 0xe1;
+constexpr int kStartOfImage = 0xd8;
+constexpr int kEndOfImage = 0xd9;
 constexpr int kStartOfScan = 0xda;
 constexpr size_t kMaxSegment = 0xffff;
 
@@ -50,13 +52,24 @@ struct Place {
   size_t content_end = 0;  // and ends.
 };
 
-// The EXIF segment of a JPEG; it lies before the first scan.
+// The EXIF segment of a JPEG; it lies before the first scan. What is skipped
+// between segments is what photos::ParseJpegHeader skips.
 std::optional<Place> JpegExif(std::string_view file) {
   size_t at = kJpegStart.size();
-  while (at + 4 <= file.size() && Number(file, at, 1) == 0xff) {
+  while (at + 4 <= file.size()) {
     const auto marker = static_cast<int>(Number(file, at + 1, 1));
-    const size_t end = at + 2 + Number(file, at + 2, 2);
-    if (marker == kStartOfScan || end > file.size()) break;
+    if (Number(file, at, 1) != 0xff || marker == 0xff) {
+      ++at;  // Garbage, or bytes that fill.
+      continue;
+    }
+    if (marker <= 1 || (marker >= 0xd0 && marker <= kStartOfImage)) {
+      at += 2;  // Markers without a segment.
+      continue;
+    }
+    if (marker == kEndOfImage || marker == kStartOfScan) break;
+    const size_t length = Number(file, at + 2, 2);
+    const size_t end = at + 2 + length;
+    if (length < 2 || end > file.size()) break;
     if (marker == kExifSegment &&
         file.substr(at + 4, end - at - 4).starts_with(kExifPrefix)) {
       return Place{at, end, at + 4 + kExifPrefix.size(), end};

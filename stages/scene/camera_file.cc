@@ -13,6 +13,7 @@
 #include "core/decompositions.h"
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
+#include "core/number_text.h"
 #include "core/text.h"
 
 namespace freegs::stages {
@@ -22,6 +23,14 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr uint64_t kMaxCameraFileBytes = uint64_t{1} << 28;
+
+// Focal lengths and principal points beyond these, in longest sides of the
+// picture, are mistakes, such as intrinsics that count in pictures instead of
+// pixels. So are positions that far away.
+constexpr double kLeastFocal = 0.01;
+constexpr double kMostFocal = 1e4;
+constexpr double kMostOffset = 100;
+constexpr double kMaxTranslation = 1e12;
 
 StatusOr<Pinhole> ReadIntrinsics(const json* value, const std::string& source) {
   if (value == nullptr || !value->is_object()) {
@@ -47,8 +56,18 @@ StatusOr<Pinhole> ReadIntrinsics(const json* value, const std::string& source) {
     if (field == nullptr) continue;
     FREEGS_ASSIGN_OR_RETURN(*target, ReadNumber(field, where(key)));
   }
-  if (camera.fx <= 0 || camera.fy <= 0) {
-    return BadInputError(source + ": focal lengths must be positive");
+  const double side = std::max(camera.width, camera.height);
+  for (const auto& [key, focal] :
+       {std::pair{"fx", camera.fx}, std::pair{"fy", camera.fy}}) {
+    if (focal >= kLeastFocal * side && focal <= kMostFocal * side) continue;
+    return BadInputError(where(key) + ": " + FormatSignificant(focal, 6) +
+                         " pixels is no focal length of such a picture");
+  }
+  for (const auto& [key, centre] :
+       {std::pair{"cx", camera.cx}, std::pair{"cy", camera.cy}}) {
+    if (std::abs(centre) <= kMostOffset * side) continue;
+    return BadInputError(where(key) + ": " + FormatSignificant(centre, 6) +
+                         " pixels is far outside of the picture");
   }
   return camera;
 }
@@ -79,6 +98,10 @@ StatusOr<std::vector<View>> ReadViews(const json& poses,
     view.cam_from_world.rotation =
         Eigen::Quaterniond(NearestRotation(rotation));
     view.cam_from_world.translation = matrix.topRightCorner<3, 1>();
+    if (view.cam_from_world.translation.cwiseAbs().maxCoeff() >
+        kMaxTranslation) {
+      return BadInputError(entry + ": the translation is too large");
+    }
     views.push_back(std::move(view));
   }
   std::ranges::sort(views, NaturalLess, &View::name);

@@ -57,7 +57,7 @@ constexpr double kSkeletonShare = 0.4;
 constexpr double kPlacingSecondsPerPhoto = 0.08;
 constexpr double kSerial = 0.4;
 
-// What the undistorter needs on each core: the photo and the one without
+// What the undistorter needs for each thread: the photo and the one without
 // distortion, each decoded and as it is written. Then what the models need that
 // are read beside it, and how long it takes.
 constexpr double kUndistorterMemory = 40e6;
@@ -136,13 +136,14 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
               "or take fewer photos (ingest.keep_sharpest)"};
 }
 
-StageNeed UndistortNeed(const SceneOutlook& scene, int cores) {
+StageNeed UndistortNeed(const SceneOutlook& scene, int cores, int processors) {
   const auto photos = static_cast<double>(scene.photos());
   if (photos == 0) return {};
   const pipeline::ViewPixels pixels = CountPixels(scene, 0);
   const double undistorter =
-      kUndistorterMemory +
-      kUndistortionBytesPerPixel * cores * static_cast<double>(pixels.largest);
+      kUndistorterMemory + kUndistortionBytesPerPixel *
+                               std::min<double>(processors, photos) *
+                               static_cast<double>(pixels.largest);
   const double model = static_cast<double>(pipeline::kProgramMemory) +
                        kModelMemory + kModelBytesPerPhoto * photos;
   const double seconds = kUndistortionSecondsPerMegapixel * 1e-6 *

@@ -21,8 +21,11 @@ int64_t ExpectedPairs(const sfm::PairSelectionOptions& options, int64_t photos);
 pipeline::StageNeed SfmNeed(const sfm::SfmOptions& options,
                             int threads,
                             pipeline::SceneOutlook* scene);
+// COLMAP's undistorter starts a thread for each of the machine's processors,
+// also where it may use `cores` of them only.
 pipeline::StageNeed UndistortNeed(const pipeline::SceneOutlook& scene,
-                                  int cores);
+                                  int cores,
+                                  int processors);
 
 // Sets photos and points to those of the model in a folder. A photo is of the
 // holdout if it was before. Nothing is known of a model that cannot be read.

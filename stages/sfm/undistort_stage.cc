@@ -2,8 +2,10 @@
 
 #include "stages/sfm/undistort_stage.h"
 
+#include <algorithm>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "pipeline/system_info.h"
@@ -36,9 +38,11 @@ class UndistortStage : public pipeline::Stage {
   pipeline::StageNeed Foretell(const StageContext& context,
                                bool done,
                                pipeline::SceneOutlook* scene) const override {
-    // COLMAP's undistorter takes all cores.
+    const int cores = pipeline::AvailableCores();
+    const auto processors =
+        static_cast<int>(std::thread::hardware_concurrency());
     pipeline::StageNeed need =
-        UndistortNeed(*scene, pipeline::AvailableCores());
+        UndistortNeed(*scene, cores, std::max(cores, processors));
     for (auto* views : {&scene->train, &scene->holdout}) {
       for (View& view : *views) {
         view.camera = view.camera.LimitedTo(options_.max_image_size);

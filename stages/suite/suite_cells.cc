@@ -180,13 +180,14 @@ StatusOr<std::vector<SuiteCell>> MakeCells(const Suite& suite,
   for (const SuiteGrid& grid : suite.grids) {
     FREEGS_ASSIGN_OR_RETURN(std::vector<GridPoint> of_grid,
                             Points(grid, &taker));
+    num_cells +=
+        of_grid.size() * suite.scenes.size() * Seeds(suite, grid).size();
+    if (num_cells > kMaxCells) {
+      return InvalidArgumentError(suite.name + ": more than 10000 cells");
+    }
     for (GridPoint& point : of_grid) {
       points.emplace_back(&grid, std::move(point));
-      num_cells += suite.scenes.size() * Seeds(suite, grid).size();
     }
-  }
-  if (num_cells > kMaxCells) {
-    return InvalidArgumentError(suite.name + ": more than 10000 cells");
   }
   std::vector<SuiteCell> cells;
   for (size_t scene = 0; scene < suite.scenes.size(); ++scene) {

@@ -454,6 +454,16 @@ TEST(PhotoDecodeTest, LimitsAreOptions) {
   EXPECT_TRUE(PhotoDecodeOptions().Check().ok());
 }
 
+TEST(PhotoDecodeTest, SidesThatLibpngCannotReadAreRefused) {
+  PhotoHeader header = *ParsePhotoHeader(MakePng(40, 40, 1));
+  header.max_pixels = 1e9;
+  header.width = 1'000'000;
+  EXPECT_TRUE(CheckHeader(header, {}).ok());
+  header.width = 1'000'001;
+  EXPECT_THAT(CheckHeader(header, {}).message(),
+              HasSubstr("longer than 1000000 on a side"));
+}
+
 TEST(PhotoDecodeTest, FlippedBytesNeverCrash) {
   const std::string exif = MakeExif({.orientation = 6});
   const cv::Mat alpha(40, 40, CV_8UC4, cv::Scalar(1, 2, 3, 40));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include <filesystem>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -34,6 +35,13 @@ TEST(PhotoInspectorTest, FillsTheRecord) {
   const InspectedPhoto plain = inspector.Inspect(folder.path(), "c.jpg");
   EXPECT_FALSE(plain.photo.converted);
   EXPECT_TRUE(plain.pixels.empty());
+
+  // Its size alone tells.
+  folder.Write("large.jpg", "");
+  std::filesystem::resize_file(folder / "large.jpg", kMaxPhotoFileBytes + 1);
+  EXPECT_THAT(inspector.Inspect(folder.path(), "large.jpg").photo.reason,
+              testing::AllOf(testing::StartsWith("larger than"),
+                             testing::EndsWith("; reduce it, or remove it")));
 
   const InspectedPhoto missing = inspector.Inspect(folder.path(), "none.jpg");
   EXPECT_FALSE(missing.photo.usable());

@@ -53,6 +53,18 @@ TEST(AssignNamesTest, KeepsSafeNamesAndReplacesOthers) {
                           "photo.jpg"));
 }
 
+// A workspace may lie on a disk for which these are one name.
+TEST(AssignNamesTest, LettersOfAnotherSizeMakeNoOtherName) {
+  EXPECT_THAT(
+      NamesOf({{"IMG_1.jpg", false},
+               {"IMG_1.JPG", false},
+               {"a/x.jpg", false},
+               {"A/X.jpg", false},
+               {"A/y.jpg", false}}),
+      ElementsAre(
+          "IMG_1.jpg", "IMG_1_2.JPG", "a/x.jpg", "A/X_2.jpg", "A/y.jpg"));
+}
+
 TEST(AssignNamesTest, CollisionsGetNumbers) {
   EXPECT_THAT(NamesOf({{"a b.jpg", false},
                        {"a.jpg", true},

@@ -444,6 +444,20 @@ TEST_F(StageRunnerTest, PhotosMayGoTogetherWithLinksAmongThem) {
   EXPECT_EQ(a_.runs, 2);
 }
 
+// What was given beside the photos, and is not given any more, still counts.
+TEST_F(StageRunnerTest, AnInputMayNotBeDroppedBecauseThePhotosAreGone) {
+  WriteText(folder_ / "list.txt", "1.jpg");
+  a_.inputs = {folder_ / "list.txt"};
+  ASSERT_TRUE(Run().ok());
+  fs::remove_all(images());
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(a_.runs, 1);
+  a_.inputs.clear();
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(a_.runs, 2);
+  EXPECT_THAT(log_, HasSubstr("a: input list.txt is no longer used"));
+}
+
 TEST_F(StageRunnerTest, MovedWorkspaceIsUpToDate) {
   ASSERT_TRUE(Run().ok());
   TemporaryFolder elsewhere;

@@ -115,6 +115,11 @@ TEST(ImageIoTest, LabelsKeepSixteenBits) {
   ASSERT_TRUE(WriteImage(folder / "c.png", Noise(7, 5, 3)).ok());
   EXPECT_EQ(ReadLabels(folder / "c.png").status().code(),
             StatusCode::kBadInput);
+  // Its content decides, whatever it is called.
+  ASSERT_TRUE(WriteImage(folder / "n.tif", narrow).ok());
+  std::filesystem::rename(folder / "n.tif", folder / "t.png");
+  EXPECT_THAT(ReadLabels(folder / "t.png").status().message(),
+              testing::HasSubstr("TIFF"));
 }
 
 TEST(ImageIoTest, LabelsOfFewerBitsAreAsStored) {

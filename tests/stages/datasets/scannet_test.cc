@@ -190,6 +190,25 @@ TEST(ScannetObjects, SurviveTruncationAndNoise) {
   }
 }
 
+// Without that, time would grow with the product of both numbers.
+TEST(ScannetObjects, SegmentsCountOnceForEachGroup) {
+  const auto groups = ParseScannetGroups(
+      R"({"segGroups": [
+          {"objectId": 0, "label": "a", "segments": [4, 7, 4, 4]},
+          {"objectId": 1, "label": "b", "segments": [4]}]})",
+      "g");
+  ASSERT_TRUE(groups.ok()) << groups.status().message();
+  EXPECT_THAT((*groups)[0].segments, testing::ElementsAre(4, 7));
+  const auto objects = ScannetBoxes({{0, 0, 0}, {1, 2, 3}, {5, 0, 0}},
+                                    {4, 4, 7},
+                                    *groups,
+                                    Eigen::Matrix4d::Identity());
+  ASSERT_TRUE(objects.ok()) << objects.status().message();
+  ASSERT_EQ(objects->size(), 2u);
+  EXPECT_EQ((*objects)[0].aabb->max, Eigen::Vector3d(5, 2, 3));
+  EXPECT_EQ((*objects)[1].aabb->max, Eigen::Vector3d(1, 2, 3));
+}
+
 TEST(ScannetObjects, RefuseWhatIsMalformed) {
   const std::string header = "ply\nformat ascii 1.0\n";
   for (const std::string& ply :

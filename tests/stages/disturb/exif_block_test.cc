@@ -37,6 +37,21 @@ TEST(ExifBlockTest, GoesInAndComesOut) {
   }
 }
 
+TEST(ExifBlockTest, WhatLiesBetweenSegmentsIsSkipped) {
+  const std::string block = MakeExif({.orientation = 6});
+  const std::string file = photos::WithExif(MakeJpeg(40, 30, 1), block);
+  for (const char* between : {"\xff", "\xff\xff", "\xff\x01", "\xff\xd0"}) {
+    std::string odd = file;
+    odd.insert(2, between);
+    ASSERT_EQ(ParsePhotoHeader(odd)->exif.orientation, 6);
+    EXPECT_EQ(ExifBlockOf(odd), block);
+    const auto without = WithExifBlock(odd, "");
+    ASSERT_TRUE(without.ok()) << without.status().message();
+    EXPECT_EQ(ExifBlockOf(*without), "");
+    EXPECT_EQ(ParsePhotoHeader(*without)->exif.orientation, 1);
+  }
+}
+
 TEST(ExifBlockTest, FocalLengthsComeBack) {
   photos::ExifTags tags;
   tags.orientation = 8;

@@ -92,6 +92,7 @@ TEST(ParseCameraSet, RefusesMatricesThatAreNotPoses) {
            "[[2,0,0,0],[0,2,0,0],[0,0,2,0],[0,0,0,1]]",
            "[[-1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]",
            "[[1,0,0,1e400],[0,1,0,0],[0,0,1,0],[0,0,0,1]]",
+           "[[1,0,0,0],[0,1,0,0],[0,0,1,-1e30],[0,0,0,1]]",
            "[[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]]",
        }) {
     EXPECT_FALSE(ParseCameraSet(Cameras(pose), "c").ok()) << pose;
@@ -109,6 +110,11 @@ TEST(ParseCameraSet, RefusesBadIntrinsics) {
            R"({"w": 64, "h": 48, "fx": -60})",
            R"({"w": 64, "h": 48, "fx": "60"})",
            R"({"w": 64, "h": 48, "fx": 60, "cx": null})",
+           R"({"w": 64, "h": 48, "fx": 1e-320})",
+           R"({"w": 64, "h": 48, "fx": 0.5})",
+           R"({"w": 64, "h": 48, "fx": 60, "fy": 1e30})",
+           R"({"w": 64, "h": 48, "fx": 60, "cx": 1e10})",
+           R"({"w": 64, "h": 48, "fx": 60, "cy": -1e10})",
        }) {
     const std::string text =
         std::string(R"({"train": {}, "intrinsics": )") + intrinsics + "}";

@@ -3,6 +3,7 @@
 #include "stages/scene/scene_size.h"
 
 #include <filesystem>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -31,6 +32,19 @@ TEST(SceneSizeTest, CountsTheGaussiansOfAFile) {
   folder.Write("b.ply", "ply");
   EXPECT_FALSE(CountGaussians(folder / "b.ply").has_value());
   EXPECT_FALSE(CountGaussians(folder / "missing.ply").has_value());
+}
+
+TEST(SceneSizeTest, ACountThatTheFileCannotHoldIsNone) {
+  const TemporaryFolder folder;
+  for (const char* count :
+       {"3", "9000000000000000", "30000000000000000", "18446744073709551615"}) {
+    folder.Write("a.ply",
+                 std::string("ply\nformat binary_little_endian 1.0\n"
+                             "element vertex ") +
+                     count + "\nproperty float x\nend_header\n");
+    EXPECT_EQ(CountGaussians(folder / "a.ply").has_value(), count[1] == 0)
+        << count;
+  }
 }
 
 }  // namespace

@@ -75,17 +75,23 @@ TEST(SfmForecastTest, PairsAreAllOrThoseOfNeighbours) {
 }
 
 TEST(SfmForecastTest, UndistortionGrowsWithPixelsAndCores) {
-  const StageNeed some = UndistortNeed(SceneOutlookOf(10, 4000, 3000), 2);
-  const StageNeed large = UndistortNeed(SceneOutlookOf(10, 6000, 4000), 2);
+  const StageNeed some = UndistortNeed(SceneOutlookOf(10, 4000, 3000), 2, 2);
+  const StageNeed large = UndistortNeed(SceneOutlookOf(10, 6000, 4000), 2, 2);
   EXPECT_GT(some.memory_bytes, pipeline::kProgramMemory);
   EXPECT_GT(large.memory_bytes, some.memory_bytes);
   EXPECT_GT(large.disk_bytes, some.disk_bytes);
   EXPECT_GT(large.seconds, some.seconds);
-  const StageNeed cores = UndistortNeed(SceneOutlookOf(10, 4000, 3000), 8);
+  const StageNeed cores = UndistortNeed(SceneOutlookOf(10, 4000, 3000), 8, 8);
   EXPECT_GT(cores.memory_bytes, some.memory_bytes);
   EXPECT_LT(cores.seconds, some.seconds);
-  EXPECT_GT(UndistortNeed(SceneOutlookOf(1000, 640, 480), 2).memory_bytes,
-            UndistortNeed(SceneOutlookOf(10, 640, 480), 2).memory_bytes);
+  EXPECT_GT(UndistortNeed(SceneOutlookOf(1000, 640, 480), 2, 2).memory_bytes,
+            UndistortNeed(SceneOutlookOf(10, 640, 480), 2, 2).memory_bytes);
+  // Eight threads on two cores, and never more than there are photos.
+  const StageNeed few = UndistortNeed(SceneOutlookOf(10, 4000, 3000), 2, 8);
+  EXPECT_EQ(few.memory_bytes, cores.memory_bytes);
+  EXPECT_EQ(few.seconds, some.seconds);
+  EXPECT_EQ(UndistortNeed(SceneOutlookOf(8, 4000, 3000), 2, 64).memory_bytes,
+            UndistortNeed(SceneOutlookOf(8, 4000, 3000), 2, 8).memory_bytes);
 }
 
 TEST(SfmForecastTest, NothingIsKnownWithoutPhotos) {
@@ -93,7 +99,7 @@ TEST(SfmForecastTest, NothingIsKnownWithoutPhotos) {
   scene.points = 3;
   EXPECT_FALSE(SfmNeed({}, 1, &scene).known());
   EXPECT_EQ(scene.points, 0);
-  EXPECT_FALSE(UndistortNeed(scene, 1).known());
+  EXPECT_FALSE(UndistortNeed(scene, 1, 1).known());
 }
 
 // What a stage that is done leaves to the later ones is what its files say.

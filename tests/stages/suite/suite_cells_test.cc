@@ -59,6 +59,31 @@ TEST(SuiteCellsTest, GridsAreCrossProductsAndAddUp) {
   EXPECT_EQ(cells->back().id, "b, grid h: sfm.camera=single, seed 2");
 }
 
+// All grids together have nine million cells. Two are too many already.
+TEST(SuiteCellsTest, TooManyCellsAreRefusedBeforeTheyAreMade) {
+  std::string text = "[scene a]\nimages = p\n";
+  for (int grid = 0; grid < 900; ++grid) {
+    text += "[grid g" + std::to_string(grid) + "]\ndisturb = none\n";
+    for (const char* option : {"reconstruct.iterations",
+                               "reconstruct.max_image_size",
+                               "sfm.max_image_size",
+                               "sfm.max_features"}) {
+      text +=
+          std::string(option) + " = 700 701 702 703 704 705 706 707 708 709\n";
+    }
+  }
+  int grids = 0;
+  SuiteChecks checks;
+  checks.disturb = [&grids](const std::string&) {
+    ++grids;
+    return Status();
+  };
+  const auto cells = Cells(text, checks);
+  ASSERT_FALSE(cells.ok());
+  EXPECT_LE(grids, 2);
+  EXPECT_THAT(cells.status().message(), HasSubstr("more than 10000 cells"));
+}
+
 TEST(SuiteCellsTest, AGridMayHaveSeedsOfItsOwn) {
   const auto cells = Cells(
       "[suite]\nseeds = 1\n[scene a]\nimages = p\n[grid g]\nseeds = 2 3\n"
