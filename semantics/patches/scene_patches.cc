@@ -180,17 +180,18 @@ StatusOr<std::vector<ScenePatches>> BuildScenePatches(
   FREEGS_ASSIGN_OR_RETURN(const std::vector<ImageF> photos,
                           ReadPhotos(scene, chosen, views, pool, cancellation));
   const double baseline = Baseline(views);
+  splat::BlendingWeights weights;
   for (size_t v = 0; v < chosen.size(); ++v) {
     if (IsCancelled(cancellation)) {
       return InterruptedError("comparing patches was interrupted");
     }
-    FREEGS_ASSIGN_OR_RETURN(
-        const splat::BlendingWeights weights,
+    FREEGS_RETURN_IF_ERROR(
         splat::ComputeBlendingWeights(model,
                                       views[v].camera,
                                       views[v].cam_from_world,
                                       scene.render,
-                                      pool));
+                                      pool,
+                                      &weights));
     const splat::WeightMatrix matrix = weights.matrix();
     FREEGS_ASSIGN_OR_RETURN(
         const ViewCues cues,

@@ -19,8 +19,8 @@ namespace {
 
 // The weights of one tile, pixel after pixel in row-major order.
 struct TileWeights {
-  std::vector<uint32_t> gaussians;
-  std::vector<float> weights;
+  RawVector<uint32_t> gaussians;
+  RawVector<float> weights;
 };
 
 // What one thread needs to bring the weights of a tile into the order of
@@ -28,7 +28,7 @@ struct TileWeights {
 struct TileScratch {
   TileWeightList batch;
   alignas(64) float transmittance[kTilePixels];
-  std::vector<uint8_t> pixels;
+  RawVector<uint8_t> pixels;
   TileWeights unsorted;
   std::array<uint32_t, kTilePixels> counts;
   std::array<uint32_t, kTilePixels> next;
@@ -93,20 +93,20 @@ TileWeights SortByPixel(const TileTask& task, TileScratch* scratch) {
 
 }  // namespace
 
-StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
-                                                 const Pinhole& camera,
-                                                 const Rigid3d& cam_from_world,
-                                                 const RenderOptions& options,
-                                                 ThreadPool& pool) {
+Status ComputeBlendingWeights(const GaussianModel& model,
+                              const Pinhole& camera,
+                              const Rigid3d& cam_from_world,
+                              const RenderOptions& options,
+                              ThreadPool& pool,
+                              BlendingWeights* result) {
   if (camera.width <= 0 || camera.height <= 0) {
     return InvalidArgumentError("a camera of " + std::to_string(camera.width) +
                                 " x " + std::to_string(camera.height) +
                                 " pixels has no blending weights");
   }
-  BlendingWeights result;
-  result.width = camera.width;
-  result.height = camera.height;
-  result.num_gaussians = model.size();
+  result->width = camera.width;
+  result->height = camera.height;
+  result->num_gaussians = model.size();
   const size_t num_pixels = static_cast<size_t>(camera.width) * camera.height;
   RenderOptions without_color = options;
   without_color.sh_degree = 0;
@@ -122,7 +122,8 @@ StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
     return MakeTileTask(projection, bins, camera.width, camera.height, tile);
   };
 
-  result.pixel_begin.resize(num_pixels + 1);
+  result->pixel_begin.resize(num_pixels + 1);
+  result->pixel_begin[0] = 0;
   std::vector<TileWeights> tiles(num_tiles);
   std::vector<TileScratch> scratches(pool.num_threads());
   pool.ParallelFor(
@@ -133,12 +134,12 @@ StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
           BlendAll(task, &scratch);
           tiles[tile] = SortByPixel(task, &scratch);
           ForEachPixel(task, camera.width, [&](size_t row, int pixel) {
-            result.pixel_begin[row + 1] = scratch.counts[pixel];
+            result->pixel_begin[row + 1] = scratch.counts[pixel];
           });
         }
       });
   uint64_t total = 0;
-  for (uint32_t& end : result.pixel_begin) {
+  for (uint32_t& end : result->pixel_begin) {
     total += end;
     end = static_cast<uint32_t>(total);
   }
@@ -149,8 +150,8 @@ StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
         " blending weights, more than 32 bits can count; use smaller images");
   }
 
-  result.gaussians.resize(total);
-  result.weights.resize(total);
+  result->gaussians.resize(total);
+  result->weights.resize(total);
   pool.ParallelFor(0, num_tiles, 1, [&](int64_t first, int64_t last, int) {
     for (int64_t tile = first; tile < last; ++tile) {
       const TileTask task = task_of(tile);
@@ -159,17 +160,28 @@ StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
       for (int y = 0; y < task.height; ++y) {
         const size_t row =
             static_cast<size_t>(task.y0 + y) * camera.width + task.x0;
-        const size_t begin = result.pixel_begin[row];
-        const size_t count = result.pixel_begin[row + task.width] - begin;
+        const size_t begin = result->pixel_begin[row];
+        const size_t count = result->pixel_begin[row + task.width] - begin;
         std::copy_n(from.gaussians.data() + done,
                     count,
-                    result.gaussians.data() + begin);
+                    result->gaussians.data() + begin);
         std::copy_n(
-            from.weights.data() + done, count, result.weights.data() + begin);
+            from.weights.data() + done, count, result->weights.data() + begin);
         done += count;
       }
     }
   });
+  return Status();
+}
+
+StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
+                                                 const Pinhole& camera,
+                                                 const Rigid3d& cam_from_world,
+                                                 const RenderOptions& options,
+                                                 ThreadPool& pool) {
+  BlendingWeights result;
+  FREEGS_RETURN_IF_ERROR(ComputeBlendingWeights(
+      model, camera, cam_from_world, options, pool, &result));
   return result;
 }
 

@@ -18,13 +18,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/gaussian_model.h"
+#include "splat/weights/raw_vector.h"
 
 namespace freegs::splat {
 
@@ -57,9 +57,9 @@ struct BlendingWeights {
   int width = 0;
   int height = 0;
   size_t num_gaussians = 0;
-  std::vector<uint32_t> pixel_begin;
-  std::vector<uint32_t> gaussians;
-  std::vector<float> weights;
+  RawVector<uint32_t> pixel_begin;
+  RawVector<uint32_t> gaussians;
+  RawVector<float> weights;
 
   // Valid until this object or one of its arrays changes.
   WeightMatrix matrix() const {
@@ -85,6 +85,14 @@ StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
                                                  const Rigid3d& cam_from_world,
                                                  const RenderOptions& options,
                                                  ThreadPool& pool);
+
+// The same in memory that *result has already, for one view after the other.
+Status ComputeBlendingWeights(const GaussianModel& model,
+                              const Pinhole& camera,
+                              const Rigid3d& cam_from_world,
+                              const RenderOptions& options,
+                              ThreadPool& pool,
+                              BlendingWeights* result);
 
 }  // namespace freegs::splat
 

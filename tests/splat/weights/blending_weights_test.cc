@@ -3,7 +3,7 @@
 #include "splat/weights/blending_weights.h"
 
 #include <cmath>
-#include <vector>
+#include <utility>
 
 #include <Eigen/Core>
 #include <gtest/gtest.h>
@@ -106,6 +106,25 @@ TEST(BlendingWeights, SameBytesForAnyNumberOfThreads) {
   }
 }
 
+TEST(BlendingWeights, SameBytesInTheMemoryOfAnotherView) {
+  const GaussianModel model = RandomSceneModel(3000, 0, 4);
+  ThreadPool pool(2);
+  const Rigid3d pose = TestPose();
+  BlendingWeights reused;
+  for (const auto& [width, height] :
+       {std::pair(203, 131), {60, 40}, {140, 150}}) {
+    const Pinhole camera = TestCamera(width, height);
+    const BlendingWeights expected = WeightsOf(model, camera, pool);
+    ASSERT_TRUE(
+        ComputeBlendingWeights(model, camera, pose, {}, pool, &reused).ok());
+    EXPECT_EQ(reused.width, width);
+    EXPECT_EQ(reused.height, height);
+    EXPECT_EQ(reused.pixel_begin, expected.pixel_begin);
+    EXPECT_EQ(reused.gaussians, expected.gaussians);
+    EXPECT_EQ(reused.weights, expected.weights);
+  }
+}
+
 TEST(BlendingWeights, SameBytesForAnyInstructionSet) {
   // Small and large ones, in tiles that end within a vector.
   GaussianModel model = RandomSceneModel(3000, 0, 5);
@@ -125,7 +144,7 @@ TEST(BlendingWeights, OfNothingAreEmptyRows) {
   ThreadPool pool(2);
   const BlendingWeights weights =
       WeightsOf(GaussianModel(), TestCamera(20, 10), pool);
-  EXPECT_EQ(weights.pixel_begin, std::vector<uint32_t>(201, 0));
+  EXPECT_EQ(weights.pixel_begin, RawVector<uint32_t>(201, 0));
   EXPECT_TRUE(weights.gaussians.empty());
   EXPECT_EQ(weights.matrix().num_bytes(), 201 * sizeof(uint32_t));
 }
