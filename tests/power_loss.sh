@@ -3,6 +3,7 @@
 # Takes the power away at every rename of a run: copies the workspace with only
 # what was flushed to disk by then, runs again from the copy, and checks that
 # finished stages are there and that the end has the bytes of an undisturbed run.
+# Then lets the disk refuse what a stage wrote.
 #
 #   tests/power_loss.sh BIN FOLDER [EVERY [OPTION ...]]
 #
@@ -31,9 +32,11 @@ rm -rf scene undisturbed cut shadow w
 run() { "$program" run scene/images "$1" "${options[@]}" >out.txt 2>&1; }
 run undisturbed || { cat out.txt; exit 1; }
 # Spaces would end a path in LD_PRELOAD.
-LD_LIBRARY_PATH=$libraries${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} LD_PRELOAD=$library \
-  POWER_LOSS_ROOT=$PWD/cut POWER_LOSS_SHADOW=$PWD/shadow \
-  POWER_LOSS_EVERY=$every run cut || { cat out.txt; exit 1; }
+run_watched() {
+  LD_LIBRARY_PATH=$libraries${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} LD_PRELOAD=$library \
+    POWER_LOSS_ROOT=$PWD/$1 POWER_LOSS_SHADOW=$PWD/shadow run "$1"
+}
+POWER_LOSS_EVERY=$every run_watched cut || { cat out.txt; exit 1; }
 
 same() {
   local file
@@ -69,5 +72,13 @@ for cut in shadow/cuts/*; do
     { run w && same w; } || fail "$name: the next run"
   done
 done
+
+# What the disk did not take is not done, and the next run goes on.
+rm -rf w && cp -a undisturbed w && rm -r w/reconstruct w/bootstrap w/export
+POWER_LOSS_EVERY=1000000 POWER_LOSS_REFUSED=reconstruct.partial run_watched w
+[ $? = 1 ] && grep -q 'reconstruct.partial: cannot write' out.txt &&
+  [ ! -e w/reconstruct ] || fail "what the disk refused counts as done"
+{ run w && same w; } || fail "the run after the disk refused"
+
 [ $lost = 0 ] || { echo "$lost of $losses losses of power cost something"; exit 1; }
 echo "nothing is lost in $losses losses of power"

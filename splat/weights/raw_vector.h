@@ -15,6 +15,10 @@ namespace freegs::splat {
 
 template <typename T>
 struct RawAllocator : std::allocator<T> {
+  RawAllocator() = default;
+  template <typename U>
+  RawAllocator(const RawAllocator<U>&) {}
+
   template <typename U>
   struct rebind {
     using other = RawAllocator<U>;

@@ -7,6 +7,8 @@
 //   POWER_LOSS_SHADOW  where copies go: SHADOW/cuts/0000/{strict,reordered},
 //                      and beside them log.txt of ROOT as it was
 //   POWER_LOSS_EVERY   only every so many renames get a copy (default: 1)
+//   POWER_LOSS_REFUSED the name of a folder of which the disk does not take
+//                      what was written: syncfs fails
 //
 // `strict` has only what was flushed: a file has the content of its last fsync,
 // and a folder the names of its last fsync. `reordered` has all names as they
@@ -244,6 +246,14 @@ extern "C" int fdatasync(int descriptor) {
 }
 
 extern "C" int syncfs(int descriptor) noexcept {
+  std::error_code unknown;
+  const fs::path folder =
+      fs::read_symlink("/proc/self/fd/" + std::to_string(descriptor), unknown);
+  if (!folder.empty() &&
+      folder.filename() == Environment("POWER_LOSS_REFUSED")) {
+    errno = EIO;
+    return -1;
+  }
   const Shadow shadow;
   const int result = Real<int(int)>("syncfs")(descriptor);
   const int error = errno;
