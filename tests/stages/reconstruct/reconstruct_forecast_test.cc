@@ -218,12 +218,26 @@ TEST(AutomaticBudgetTest, FollowsPhotosAndMemory) {
   EXPECT_EQ(Training(options, SceneOutlookOf(9, 640, 480)).budget, automatic);
 }
 
+// The more densifications there are, the sooner there are as many Gaussians as
+// may be, and the longer they stay.
+TEST(ReconstructForecastTest, ALongerDensePhaseTakesMore) {
+  ReconstructStageOptions options;
+  options.budget = "50000";
+  options.max_image_size = 640;
+  const SceneOutlook scene = SceneOutlookOf(24, 640, 480);
+  options.densify_interval = 100;
+  const double slowly = Need(options, scene).seconds;
+  options.densify_interval = 25;
+  EXPECT_GT(Need(options, scene).seconds, 1.02 * slowly);
+}
+
 TEST(ReconstructForecastTest, ALowerShDegreeTakesLess) {
   ReconstructStageOptions options;
   const SceneOutlook scene = SceneOutlookOf(24, 640, 480);
-  const int64_t most = Need(options, scene).memory_bytes;
+  const StageNeed most = Need(options, scene);
   options.sh_degree = 0;
-  EXPECT_LT(Need(options, scene).memory_bytes, most);
+  EXPECT_LT(Need(options, scene).memory_bytes, most.memory_bytes);
+  EXPECT_LT(Need(options, scene).seconds, most.seconds);
 }
 
 TEST(ReconstructForecastTest, AnImportedModelIsNotTrained) {
