@@ -55,7 +55,7 @@ constexpr double kLeft = 0.31;
 // Seconds of a step on one thread: for itself, for each megapixel and for each
 // million Gaussians of SH degree 2; and the share of it that threads do not
 // divide. Of 21 trainings of three scenes with the presets, whose seconds were
-// known, these give 0.8 to 1.2 times the seconds.
+// known, these give 0.9 to 1.3 times the seconds.
 constexpr double kStepSeconds = 0.02;
 constexpr double kStepSecondsPerMegapixel = 0.06;
 constexpr double kStepSecondsPerMillion = 0.16;
