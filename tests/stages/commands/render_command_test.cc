@@ -214,6 +214,8 @@ TEST_F(RenderCommandTest, HugePicturesNeedASize) {
   nlohmann::json cameras = MovedCameras("");
   cameras["intrinsics"]["w"] = 60000;
   cameras["intrinsics"]["h"] = 40000;
+  cameras["intrinsics"]["fx"] = 50000;
+  cameras["intrinsics"]["fy"] = 50000;
   WriteText(out_ / "cameras.json", cameras.dump());
   std::vector<std::string> arguments = {workspace(),
                                         "--out",
