@@ -138,6 +138,17 @@ function(freegs_add_collection name)
   set_property(GLOBAL APPEND PROPERTY FREEGS_LIBRARIES ${target})
 endfunction()
 
+# Gold links a test program in a quarter of the time.
+set(FREEGS_FAST_LINKER "")
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" AND NOT CMAKE_CROSSCOMPILING
+    AND NOT FREEGS_SANITIZE AND NOT FREEGS_FUZZ)
+  find_program(FREEGS_GOLD ld.gold)
+  mark_as_advanced(FREEGS_GOLD)
+  if(FREEGS_GOLD)
+    set(FREEGS_FAST_LINKER -fuse-ld=gold)
+  endif()
+endif()
+
 # freegs_add_test(NAME SOURCES a_test.cc ... LINK libraries ...) makes NAME. Its
 # tests run in portions, NAME.0, NAME.1, ...: the loader needs up to 0.4 s for a
 # program that uses OpenCV, too much for a process per test. There is a portion for
@@ -148,6 +159,7 @@ function(freegs_add_test name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} freegs_warnings
     GTest::gmock GTest::gtest GTest::gtest_main)
+  target_link_options(${name} PRIVATE ${FREEGS_FAST_LINKER})
   if(FREEGS_UNITY)
     set_target_properties(${name} PROPERTIES
       UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${FREEGS_UNITY_BATCH})
