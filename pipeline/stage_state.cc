@@ -99,11 +99,11 @@ std::vector<std::string> KeepGoneInputs(const StageFingerprint& then,
     }
     gone.push_back(name);
   }
-  for (const auto& [name, input] : before) {
+  for (const auto& entry : before) {
     if (std::any_of(places.begin(), places.end(), [&](const auto& place) {
-          return rule == GoneRule::kAny || LayIn(input, place);
+          return rule == GoneRule::kAny || LayIn(entry.second, place);
         })) {
-      inputs.emplace(name, input);
+      inputs.insert(entry);
     }
   }
   return gone;

@@ -83,8 +83,9 @@ StatusOr<std::vector<ScannetGroup>> ParseScannetGroups(
     FREEGS_ASSIGN_OR_RETURN(group.segments,
                             ReadIntegers(segments, reader.Where("segments")));
     std::ranges::sort(group.segments);
-    const auto repeated = std::ranges::unique(group.segments);
-    group.segments.erase(repeated.begin(), repeated.end());
+    group.segments.erase(
+        std::unique(group.segments.begin(), group.segments.end()),
+        group.segments.end());
     if (!ids.insert(group.id).second) {
       return BadInputError(reader.Where("objectId") + ": used twice");
     }
