@@ -30,7 +30,7 @@ def row(program, out, scene):
     begin = time.monotonic()
     done = subprocess.run(
         [program, "run", photos, workspace, "--within", asked], text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     seconds = time.monotonic() - begin
     (out / f"{name}.log").write_text(done.stdout)
     if done.returncode != 0:

@@ -63,8 +63,8 @@ after(() => browser?.close());
 const open = (viewport, options) =>
   openPage(browser, pathToFileURL(scene.report).href, viewport, options);
 /**
- * The report, as other tests have left it: for those that do not ask how it opens,
- * and that hide nothing for good. Opening it takes seconds.
+ * The report as other tests have left it, because opening it takes seconds. It is
+ * for tests that do not ask how it opens, and that hide nothing for good.
  */
 const openShared = async () => {
   shared ??= await open();

@@ -190,7 +190,8 @@ TEST(ScannetObjects, SurviveTruncationAndNoise) {
   }
 }
 
-// Without that, time would grow with the product of both numbers.
+// If each repetition counted, the time would grow with the number of vertices
+// times that of repetitions.
 TEST(ScannetObjects, SegmentsCountOnceForEachGroup) {
   const auto groups = ParseScannetGroups(
       R"({"segGroups": [
