@@ -23,7 +23,7 @@ every=${3:-1}
 mkdir -p "$2"
 cd "$2" || exit 1
 shift $(($# < 3 ? $# : 3))
-options=(--reconstruct.iterations 300 --reconstruct.budget 2000 --threads 2
+options=(--reconstruct.iterations 300 --reconstruct.budget 2000 --threads 1
   --general.checkpoint_interval 1 --bootstrap.mode geometry "$@")
 
 rm -rf scene undisturbed cut shadow w

@@ -42,6 +42,7 @@ Status MakeFolder(const fs::path& folder) {
       scene_maker::WriteScene(scene, folder / "truth", pool, {}));
   fs::copy(folder / "truth" / "images", folder / "photos");
   WriteText(folder / "scene" / "config.ini",
+            "[general]\nthreads = 1\n"
             "[reconstruct]\niterations = 200\nbudget = 2000\n");
   return Status();
 }
@@ -109,7 +110,7 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
   EXPECT_EQ(Complaint("freegs_pipeline init other\n"
                       "freegs_pipeline run photos other --sfm.import "
                       "truth/gt/transforms.json --sfm.random_points 10000 "
-                      "--reconstruct.iterations 200 "
+                      "--threads 1 --reconstruct.iterations 200 "
                       "--reconstruct.exposure on "
                       "--bootstrap.mode paper --bootstrap.iterations 40 "
                       "--bootstrap.clustering union"),

@@ -16,8 +16,9 @@ bin=$(realpath "$1")
 program=$bin/freegs_pipeline
 form=${3:-whole}
 failures=0
-# Options of all runs; known_poses are for those that do not ask COLMAP.
-options=(--reconstruct.budget 2000 --threads 2 --bootstrap.mode geometry)
+# Options of all runs; known_poses are for those that do not ask COLMAP. A script that
+# needs more than one thread sets num_threads before it reads this.
+options=(--reconstruct.budget 2000 --threads "${num_threads:-1}" --bootstrap.mode geometry)
 # shellcheck disable=SC2034  # For those who source this.
 known_poses=(--sfm.import scene/gt/transforms.json --sfm.random_points 3000)
 

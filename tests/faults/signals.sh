@@ -6,6 +6,8 @@
 #   tests/faults/signals.sh BIN FOLDER [short]
 #
 # The clock needs libfaketime and is left out without it. common.sh says the rest.
+# shellcheck disable=SC2034
+num_threads=2
 # shellcheck source=tests/faults/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fuzzing in short, in every build: each reader gets its good files with a few
-// places changed, 20000 times or for two seconds. scripts/fuzz.sh looks deeper,
+// places changed, 10000 times or for a second. scripts/fuzz.sh looks deeper,
 // since it sees which inputs reach new code.
 
 #include <algorithm>
@@ -36,8 +36,8 @@ constexpr NamedReader kReaders[] = {
 
 // A fast reader gets the same inputs on every machine; a slow one, such as that
 // of networks, does not hold up the tests.
-constexpr uint64_t kNumInputs = 20000;
-constexpr std::chrono::seconds kTime(2);
+constexpr uint64_t kNumInputs = 10000;
+constexpr std::chrono::seconds kTime(1);
 
 // Address space for the test program, its libraries and threads. A reader that
 // believes a file's claim of more gets std::bad_alloc, which fails the test.

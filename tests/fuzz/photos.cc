@@ -19,7 +19,7 @@ namespace freegs::fuzz {
 namespace {
 
 // Small pictures, so that the fuzzer tries many.
-photos::PhotoDecodeOptions SmallPhotos() {
+photos::PhotoDecodeOptions OptionsOfSmallPhotos() {
   photos::PhotoDecodeOptions options;
   options.max_megapixels = 0.1;
   options.min_side = 4;
@@ -77,7 +77,7 @@ Reader Photo() {
             const auto header = photos::ParsePhotoHeader(bytes);
             if (!header.ok()) return;
             (void)photos::FocalLengthPixels(header->exif, 24, 16);
-            const photos::PhotoDecodeOptions options = SmallPhotos();
+            const photos::PhotoDecodeOptions options = OptionsOfSmallPhotos();
             if (!photos::CheckHeader(*header, options).ok()) return;
             const auto pixels = photos::DecodePhoto(bytes, *header, options);
             if (!pixels.ok()) return;
@@ -99,7 +99,7 @@ Reader Mask() {
             photo.height = 24;
             photo.orientation = 6;
             const auto mask =
-                photos::DecodeMask(bytes, photo, false, SmallPhotos());
+                photos::DecodeMask(bytes, photo, false, OptionsOfSmallPhotos());
             if (!mask.ok()) return;
             Require(mask->width() == 16 && mask->height() == 24);
           },

@@ -92,6 +92,8 @@ export function makeScene() {
     join(truth, "gt", "transforms.json"),
     "--sfm.random_points",
     "10000",
+    "--threads",
+    "1",
     "--preset",
     "fast",
     // Half of the preset's: the objects are found all the same.

@@ -80,7 +80,7 @@ TEST_P(RasterizerReference, BackwardMatchesCentralDifferences) {
   GaussianModel model = RandomSceneModel(28, 3, 2);
   model.antialiased = GetParam();
   const std::vector<float> features = RandomFeatures(model.size());
-  const Pinhole camera = TestCamera(52, 37);
+  const Pinhole camera = TestCamera(37, 26);
   const int channels = 5 + kFeatures;
   std::vector<double> weights(static_cast<size_t>(camera.width) *
                               camera.height * channels);
