@@ -30,7 +30,7 @@ done
 mapfile -t packages < <(package_names "${lists[@]}")
 # Programs that many people have from elsewhere, which Debian's would be in the
 # way of.
-declare -A program_of=([nodejs]=node [npm]=npm [chromium]=chromium)
+declare -A program_of=([nodejs]=node [npm]=npm)
 # The page needs Node.js 18.
 usable() {
   command -v "$1" >/dev/null || return 1
