@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Training here against OpenSplat's CPU build, from the same start.
 
-  bench/compare_opensplat.py BENCHMARK WORKSPACE NEW [OLD] [--rounds 3]
+  bench/compare_opensplat.py BENCHMARK WORKSPACE NEW [OLD] [--rounds 3] [--avx2]
 
 BENCHMARK is freegs_training_benchmark; NEW and OLD are binaries of OpenSplat
 (GPU_RUNTIME=CPU), OLD of version 1.1.5. Each round runs one after the other:
 time per step (theirs: 100 steps less a run of one), 1000 steps of theirs with
 the holdout PSNR of the result, and the curve of ours. Prints every figure, then
-medians. Nothing else should run on the machine meanwhile.
+medians. Nothing else should run on the machine meanwhile. With --avx2 both sides
+use no instructions beyond AVX2.
 """
 import csv
 import os
@@ -20,6 +21,11 @@ TO_PSNR = ["--max-image-size", "480", "--set", "reconstruct.iterations=1000",
            "--set", "reconstruct.budget=15000", "--set", "reconstruct.exposure=off",
            "--every", "25"]
 OLD_BACKGROUND = ["--background", "0.613,0.0101,0.3984"]  # Its own.
+
+
+# What keeps the libraries of PyTorch to AVX2.
+THEIR_AVX2 = {"ATEN_CPU_CAPABILITY": "avx2", "ONEDNN_MAX_CPU_ISA": "AVX2",
+              "OPENBLAS_CORETYPE": "Haswell"}
 
 
 def opensplat(binary, project, folder, steps, old):
@@ -36,8 +42,8 @@ def rows(text):
     return list(csv.DictReader(text.splitlines()))
 
 
-def our_curve(benchmark, workspace):
-    _, _, text = timed([benchmark, "curve", workspace] + TO_PSNR)
+def our_curve(benchmark, workspace, simd):
+    _, _, text = timed([benchmark, "curve", workspace] + TO_PSNR + simd)
     return [{"seconds": float(row["seconds"]),
              "psnr": float(row["holdout_psnr"])} for row in rows(text)]
 
@@ -57,8 +63,13 @@ def when(curve, psnr):
 def main():
     parser = argument_parser(__doc__, "benchmark", "workspace", "new")
     parser.add_argument("old", nargs="?")
+    parser.add_argument("--avx2", action="store_true",
+                        help="no instructions beyond AVX2, on both sides")
     add_rounds(parser, 3)
     args = parser.parse_args()
+    simd = ["--simd", "AVX2"] if args.avx2 else []
+    if args.avx2:
+        os.environ.update(THEIR_AVX2)
     peers = [("new", args.new, False)]
     if args.old:
         peers.append(("old", args.old, True))
@@ -68,7 +79,7 @@ def main():
         project = os.path.join(scratch, "project")
         timed([args.benchmark, "export", args.workspace, project])
         for _ in range(args.rounds):
-            curve = our_curve(args.benchmark, args.workspace)
+            curve = our_curve(args.benchmark, args.workspace, simd)
             note("ours, seconds of 1000 steps", curve[-1]["seconds"])
             note("ours, PSNR after 1000 steps", curve[-1]["psnr"])
             for name, binary, old in peers:
@@ -91,7 +102,7 @@ def main():
                 note(f"times sooner than {name}, for good", wall / good)
             for threads in ["1", "2"]:
                 _, _, text = timed([args.benchmark, "steps", args.workspace,
-                                    "--threads", threads])
+                                    "--threads", threads] + simd)
                 print(f"ours, {threads} threads:\n{text}", flush=True)
     figures.print_medians("medians")
 

@@ -14,6 +14,7 @@
 
 #include <boost/program_options.hpp>
 
+#include "bench/instruction_set.h"
 #include "bench/training_modes.h"
 #include "core/status.h"
 #include "pipeline/exit_code.h"
@@ -25,11 +26,12 @@ namespace po = boost::program_options;
 
 constexpr char kUsage[] =
     "freegs_training_benchmark steps WORKSPACE [--max-image-size 480]\n"
-    "    [--threads N] [--steps 200] [--rounds 3] [--gaussians N]\n"
+    "    [--threads N] [--steps 200] [--rounds 3] [--gaussians N] [--simd "
+    "NAME]\n"
     "  Time per step at the start of training; all rounds from one start.\n"
     "freegs_training_benchmark curve WORKSPACE [--preset NAME]\n"
     "    [--max-image-size N] [--threads N] [--set SECTION.KEY=VALUE ...]\n"
-    "    [--every 50] [--until DB]\n"
+    "    [--every 50] [--until DB] [--simd NAME]\n"
     "  Holdout quality over time of a training as reconstruct does it; "
     "options\n"
     "  come from preset, WORKSPACE/config.ini and here. CSV.\n"
@@ -38,7 +40,9 @@ constexpr char kUsage[] =
     "  Holdout quality of a .ply in the frame of the poses. Colours 0 .. 1.\n"
     "freegs_training_benchmark export WORKSPACE OUTDIR\n"
     "  COLMAP project of the training photos: OUTDIR/images and "
-    "OUTDIR/sparse/0.\n";
+    "OUTDIR/sparse/0.\n"
+    "With --simd the SIMD code runs with a lower instruction set, such as "
+    "AVX2.\n";
 
 // Reads words such as "WORKSPACE --steps 5": `places` names the words that must
 // stand without an option.
@@ -80,6 +84,14 @@ Status RequireAtLeast(const char* name, int64_t value, int64_t least) {
                               std::to_string(least));
 }
 
+// The option --simd.
+Status UseSimd(const po::variables_map& values) {
+  if (!values.contains("simd")) return Status();
+  const std::string& name = values["simd"].as<std::string>();
+  if (UseInstructionSet(name)) return Status();
+  return InvalidArgumentError("this machine does not have --simd " + name);
+}
+
 template <typename T>
 std::optional<T> Optional(const po::variables_map& values, const char* name) {
   if (!values.contains(name)) return std::nullopt;
@@ -95,8 +107,10 @@ Status Steps(const std::vector<std::string>& words) {
   add("steps", po::value(&options.steps));
   add("rounds", po::value(&options.rounds));
   add("gaussians", po::value(&options.gaussians));
+  add("simd", po::value<std::string>());
   po::variables_map values;
   FREEGS_RETURN_IF_ERROR(Parse(words, {"WORKSPACE"}, description, &values));
+  FREEGS_RETURN_IF_ERROR(UseSimd(values));
   options.workspace = values["WORKSPACE"].as<std::string>();
   FREEGS_RETURN_IF_ERROR(
       RequireAtLeast("--max-image-size", options.max_image_size, 0));
@@ -117,8 +131,10 @@ Status Curve(const std::vector<std::string>& words) {
   add("set", po::value(&options.settings)->composing());
   add("every", po::value(&options.every));
   add("until", po::value<double>());
+  add("simd", po::value<std::string>());
   po::variables_map values;
   FREEGS_RETURN_IF_ERROR(Parse(words, {"WORKSPACE"}, description, &values));
+  FREEGS_RETURN_IF_ERROR(UseSimd(values));
   options.workspace = values["WORKSPACE"].as<std::string>();
   options.preset = Optional<std::string>(values, "preset");
   options.max_image_size = Optional<int>(values, "max-image-size");
