@@ -74,9 +74,11 @@ Status RunExport(const ExportOptions& options) {
     FREEGS_RETURN_IF_ERROR(
         LinkOrCopy(scene.photo_folder / view.name, images / view.name));
   }
-  FREEGS_ASSIGN_OR_RETURN(const stages::PosedPhotos posed,
-                          stages::ReadPosedPhotos(options.workspace));
-  const sfm::Reconstruction model = Restrict(posed.sparse, scene.photos.train);
+  // Not in the frame of our training: RunEvaluate reads files in the world.
+  FREEGS_ASSIGN_OR_RETURN(
+      const sfm::Reconstruction world,
+      sfm::ReadModel(options.workspace / "undistort" / "sparse"));
+  const sfm::Reconstruction model = Restrict(world, scene.photos.train);
   FREEGS_RETURN_IF_ERROR(sfm::WriteModel(sparse, model));
   std::printf(
       "%s: %zu images, %zu cameras, %zu points; %zu holdout images "

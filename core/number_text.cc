@@ -22,6 +22,15 @@ std::string FormatFixed(double value, int decimals) {
   return text;
 }
 
+std::string FormatFixedApart(double value, double limit, int decimals) {
+  const int most = decimals + 3;
+  while (decimals < most &&
+         FormatFixed(value, decimals) == FormatFixed(limit, decimals)) {
+    ++decimals;
+  }
+  return FormatFixed(value, decimals);
+}
+
 int DecimalsFor(double length) {
   constexpr int kUsual = 3;
   constexpr int kMost = 12;

@@ -94,6 +94,26 @@ std::string PercentEncode(std::string_view text, FunctionRef<bool(char)> keep) {
   return encoded;
 }
 
+std::string ShellQuoted(std::string_view text) {
+  std::string quoted = "'";
+  for (const char c : text) {
+    if (c == '\'') {
+      quoted += "'\\''";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "'";
+}
+
+std::string ShellWord(std::string_view text) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./";
+  const bool plain =
+      !text.empty() && text.find_first_not_of(kPlain) == std::string_view::npos;
+  return plain ? std::string(text) : ShellQuoted(text);
+}
+
 std::optional<std::string> PercentDecode(std::string_view text) {
   std::string decoded;
   for (size_t at = 0; at < text.size(); ++at) {

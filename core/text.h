@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Letter case, white space, byte order marks, the order and lists of names, and
-// the percent codes of paths and addresses.
+// Letter case, white space, byte order marks, the order and lists of names,
+// words of a shell, and the percent codes of paths and addresses.
 
 #ifndef FREEGS_CORE_TEXT_H_
 #define FREEGS_CORE_TEXT_H_
@@ -39,6 +39,12 @@ std::string Joined(const std::vector<std::string>& names);
 // "a.jpg", "a.jpg, b.jpg and c.jpg" or "a.jpg, b.jpg, c.jpg, d.jpg and 7 more".
 // All names but the first `shown` are only counted, unless it is only one.
 std::string SomeNames(const std::vector<std::string>& names, size_t shown = 4);
+
+// The text in single quotes, as a shell reads it.
+std::string ShellQuoted(std::string_view text);
+
+// The text as one word of a shell, in quotes where it has to be.
+std::string ShellWord(std::string_view text);
 
 // Replaces each byte for which `keep` returns false by '%' and two hex digits.
 std::string PercentEncode(std::string_view text, FunctionRef<bool(char)> keep);

@@ -169,8 +169,8 @@ std::string CheckOutput(const fs::path& workspace,
   const auto add = [&](const std::string& names, const std::string& state) {
     if (names.empty()) return;
     *note += (note->empty() ? "" : "; ") + names + ": " + state +
-             " ('freegs_pipeline stage " + stage + " " + workspace.string() +
-             "' makes it again)";
+             " (to make it again: freegs_pipeline stage " + stage + " " +
+             ShellWord(workspace.string()) + ")";
   };
   add(change.replaced, "not as the stage wrote it, used as it is");
   add(DeletedContents(folder, result), "deleted");

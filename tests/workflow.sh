@@ -112,7 +112,9 @@ wait_until 120 "three scenes are at work" at_work 3
 wait_until 300 "a scene is trained" at_least 1 '*/reconstruct.partial/checkpoints/*'
 partial=$(dirname "$(find "$work" -path '*/reconstruct.partial/checkpoints/*' -print -quit)")
 killed=$(basename "$(dirname "$(dirname "$partial")")")
-pid=$(pgrep -f "^$program run .*/workspaces/$killed --from reconstruct" |
+# shellcheck disable=SC2001  # Every special character gets a backslash.
+pattern=$(sed 's/[][\.*^$+?(){}|]/\\&/g' <<<"$program")
+pid=$(pgrep -f "^$pattern run .*/workspaces/$killed --from reconstruct" |
   head -n 1) || true
 [[ -n $pid ]] || fail "the job of $killed is not found"
 kill -9 "$pid" || fail "the job of $killed cannot be killed"
@@ -176,9 +178,13 @@ again() {
   run_workflow "$work/late/.workflow/sfm" "${local_run[@]}" || fail "a late scene fails"
 }
 again
-# While another job works there, the next one waits.
+# While another job works there, the next one waits. The other one ends when it does, or
+# after a minute.
 cp drawn1/images/frame_0012.jpg photos/late/
-flock "$work/late/.lock" sleep 5 &
+flock "$work/late/.lock" bash -c 'for ((i = 0; i < 600; ++i)); do
+  ! grep -qrs "waiting for another job" "$@" || exit
+  sleep 0.1
+done' _ runs.log "$work/late/.workflow" &
 again
 cmp "$work/late/sfm/sparse/0/images.bin" alone1/sfm/sparse/0/images.bin ||
   fail "a photo that came late was not noticed"

@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "core/number_text.h"
+#include "core/text.h"
 #include "sfm/colmap/sfm_options.h"
 
 namespace freegs::sfm {
@@ -19,7 +22,9 @@ std::string Fixed(double value) { return FormatFixed(value, 2); }
 
 constexpr char kMoreOverlap[] =
     "take more photos with at least two thirds overlap from neighbouring "
-    "positions, sharp and of a textured scene; or try ";
+    "positions, sharp and of a textured scene";
+
+constexpr char kPerImage[] = "per_image";
 
 // With fewer registered photos a result is failed, whatever their share.
 constexpr int kMinRegistered = 3;
@@ -87,14 +92,28 @@ struct Judgement {
 // What makes more photos have a pose.
 std::string MoreOverlap(const MappingFacts& facts) {
   if (facts.imported) return kMorePoses;
-  std::string advice = kMoreOverlap;
+  std::vector<std::string> tries;
   if (facts.max_features < SfmOptions::kManyFeatures) {
-    advice += "--sfm.max_features 8192, ";
+    tries.emplace_back("--sfm.max_features 8192");
   }
-  if (!facts.all_pairs_compared) {
-    advice += "--sfm.matcher exhaustive, ";
+  if (!facts.all_pairs_compared) tries.emplace_back("--sfm.matcher exhaustive");
+  if (facts.camera != kPerImage) {
+    tries.emplace_back("--sfm.camera per_image");
   }
-  return advice + "--sfm.camera per_image";
+  return kMoreOverlap + (tries.empty() ? "" : "; or try " + Joined(tries));
+}
+
+// What helps where the lens was not described well.
+std::string OtherLens(const MappingFacts& facts) {
+  std::string advice = "the lens may need another model: try ";
+  advice += facts.camera_model == "OPENCV"
+                ? "--sfm.camera_model OPENCV_FISHEYE if it is very wide"
+                : "--sfm.camera_model OPENCV (OPENCV_FISHEYE for very wide "
+                  "lenses)";
+  if (facts.camera != kPerImage) {
+    advice += ", or --sfm.camera per_image if the zoom changed between photos";
+  }
+  return advice;
 }
 
 // Why the result cannot be used.
@@ -175,10 +194,7 @@ Judgement FlawOf(const Health& health,
       return {error + ": the imported poses do not fit their own points",
               "let structure from motion find the poses (without sfm.import)"};
     }
-    return {error,
-            "the lens may need another model: try --sfm.camera_model OPENCV "
-            "(OPENCV_FISHEYE for very wide lenses), or --sfm.camera per_image "
-            "if the zoom changed between photos"};
+    return {error, OtherLens(facts)};
   }
   if (HasFinding(health, Severity::kDegrading)) {
     return {Reasons(health, ""), Advice(health, "")};

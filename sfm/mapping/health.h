@@ -42,6 +42,10 @@ struct MappingFacts {
 
   // Whether every two photos were compared: then that is no advice.
   bool all_pairs_compared = false;
+
+  // SfmOptions::camera and camera_model: what is in force is no advice.
+  std::string camera = "auto";
+  std::string camera_model = "auto";
 };
 
 enum class Verdict { kOk, kDegraded, kFailed };

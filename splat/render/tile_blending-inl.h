@@ -121,7 +121,9 @@ struct TileSplat {
 // In the rectangle of a block's pixel centres alpha is largest at the mean, if
 // that is inside, or else on one of the at most two sides that face the mean.
 // On such a side log2(alpha) is a parabola, whose top is clamped to the side.
-// kSlack makes up for rounding.
+// kSlack makes up for rounding, except for splats of 100 000 pixels and more,
+// for which the Arithmetic decides, too.
+template <class Arithmetic>
 HWY_INLINE TileBlocks TouchedBlocks(Tag d, const TileSplat& splat) {
   constexpr float kSlack = 0.01f;
   const Vec zero = hn::Zero(d);
@@ -145,9 +147,9 @@ HWY_INLINE TileBlocks TouchedBlocks(Tag d, const TileSplat& splat) {
     const Vec near_x = hn::Max(left, hn::Min(right, zero));
     const Vec near_y = hn::Max(top, hn::Min(bottom, zero));
     const auto reaches = [&](Vec dx, Vec dy) HWY_ATTR {
-      const Vec t = hn::MulAdd(shear, dy, dx);
+      const Vec t = Arithmetic::MulAdd(shear, dy, dx);
       const Vec log2_alpha =
-          hn::MulAdd(hn::Mul(xx, t), t, hn::Mul(hn::Mul(yy, dy), dy));
+          Arithmetic::MulAdd(hn::Mul(xx, t), t, hn::Mul(hn::Mul(yy, dy), dy));
       return hn::Ge(log2_alpha, least);
     };
     const Mask touched = hn::Or(
@@ -244,7 +246,7 @@ inline constexpr int64_t kBatch = 16;
 // Calls visit(k, blocks) for the entries [begin, end), from front to back,
 // until no block is open. `blocks` are those that entry k may be blended into;
 // visit lowers the transmittance. Returns the first entry that was not visited.
-template <class Visit>
+template <class Arithmetic, class Visit>
 HWY_INLINE int64_t ForEachEntry(Tag d,
                                 const TileTask& task,
                                 int64_t begin,
@@ -258,7 +260,7 @@ HWY_INLINE int64_t ForEachEntry(Tag d,
     const int64_t last = std::min(first + kBatch, end);
     for (int64_t k = first; k < last; ++k) {
       const TileSplat splat(task, FetchSplat(task, k));
-      touched[k - first] = open & TouchedBlocks(d, splat);
+      touched[k - first] = open & TouchedBlocks<Arithmetic>(d, splat);
     }
     for (int64_t k = first; k < last; ++k) visit(k, touched[k - first]);
   }

@@ -91,7 +91,7 @@ int64_t Blend(const TileTask& task,
   std::fill_n(red, 3 * kTilePixels, 0.0f);
   std::fill_n(extras, task.num_extras * kTilePixels, 0.0f);
   if constexpr (kDominance) ClearDominance(dominance);
-  return ForEachEntry(
+  return ForEachEntry<Fused>(
       d,
       task,
       0,
@@ -151,7 +151,7 @@ void ContributeTile(const TileTask& task,
   const Vec one = hn::Set(d, 1.0f);
   ClearTransmittance(task, transmittance);
   ClearDominance(dominance);
-  const int64_t visited = ForEachEntry(
+  const int64_t visited = ForEachEntry<Fused>(
       d,
       task,
       0,
@@ -183,7 +183,7 @@ void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
   const Tag d;
   alignas(64) float transmittance[kTilePixels];
   ClearTransmittance(task, transmittance);
-  ForEachEntry(
+  ForEachEntry<Fused>(
       d,
       task,
       0,

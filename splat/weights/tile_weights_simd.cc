@@ -25,7 +25,7 @@ int64_t ListWeights(const TileTask& task,
   const auto lane = hn::Iota(du, 0);
   size_t count = 0;
   list->count = 0;
-  const int64_t visited = ForEachEntry(
+  const int64_t visited = ForEachEntry<Plain>(
       d,
       task,
       begin,

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "core/text.h"
 #include "stages/command_line/completion_values.h"
 
 namespace freegs::stages {

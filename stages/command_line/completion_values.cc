@@ -68,16 +68,4 @@ std::vector<CompletedOption> CompletedOptions(const CommandWords& words) {
   return all;
 }
 
-std::string ShellQuoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) {
-    if (c == '\'') {
-      quoted += "'\\''";
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + "'";
-}
-
 }  // namespace freegs::stages

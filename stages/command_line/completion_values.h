@@ -26,9 +26,6 @@ struct CompletedOption {
 // All options that the command takes, in the order of its help, and --help.
 std::vector<CompletedOption> CompletedOptions(const CommandWords& words);
 
-// The text as one word of a shell: between ' and ', whatever it holds.
-std::string ShellQuoted(const std::string& text);
-
 }  // namespace freegs::stages
 
 #endif  // FREEGS_STAGES_COMMAND_LINE_COMPLETION_VALUES_H_

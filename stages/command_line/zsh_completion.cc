@@ -2,6 +2,7 @@
 
 #include "stages/command_line/zsh_completion.h"
 
+#include "core/text.h"
 #include "stages/command_line/completion_values.h"
 
 namespace freegs::stages {

@@ -89,15 +89,6 @@ Status CheckOrder(const std::string& from, const std::string& to) {
                               "; the order is " + Joined(names));
 }
 
-// The text as one word of a shell, quoted where it has to be.
-std::string ShellWord(const std::string& text) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./";
-  const bool plain =
-      !text.empty() && text.find_first_not_of(kPlain) == std::string::npos;
-  return plain ? text : ShellQuoted(text);
-}
-
 // Nothing if there is nothing to ask. The scene is finished, so the run does
 // not fail when memory or threads are short for this; OpenCV throws then.
 std::vector<std::vector<std::string>> QuestionsToTry(

@@ -88,9 +88,10 @@ void AddSfmFigures(const json& health, ReportData* data) {
        "mean"});
   const std::string verdict = Text(health, "verdict");
   if (verdict == "degraded" || verdict == "failed") {
+    const std::string advice = Text(health, "advice");
     data->warnings.push_back("Structure from motion: " + verdict + ". " +
-                             Text(health, "reason") + " " +
-                             Text(health, "advice"));
+                             Text(health, "reason") +
+                             (advice.empty() ? "" : "; " + advice));
   }
 }
 

@@ -28,6 +28,13 @@ constexpr uint64_t kMaxMaskBytes = uint64_t{1} << 30;
 // Masks that keep less than this share of their photos are probably inverted.
 constexpr double kLittle = 0.05;
 
+// What to do when masks ignore too much.
+std::string ExchangeAdvice(const IngestMaskOptions& options) {
+  return options.invert_masks
+             ? "if black is to be ignored, set ingest.invert_masks to false"
+             : "if white is to be ignored, set ingest.invert_masks";
+}
+
 // Writes one mask to the workspace and returns the share of pixels that it
 // keeps. Returns nothing, after a warning, for a mask that cannot be used.
 StatusOr<std::optional<double>> PlaceMask(
@@ -46,9 +53,8 @@ StatusOr<std::optional<double>> PlaceMask(
   if (mask.ok()) {
     kept = photos::KeptShare(*mask);
     if (kept == 0) {
-      fault =
-          "it ignores the whole photo; remove one of the two, or set "
-          "ingest.invert_masks if white is to be ignored";
+      fault = "it ignores the whole photo; remove one of the two, or, " +
+              ExchangeAdvice(options);
     }
   }
   if (!fault.empty()) {
@@ -184,9 +190,8 @@ Status PlaceMasks(StageContext& context,
           (masks > 0 ? "; they keep " + percent + " of the pixels" : ""));
   if (masks > 0 && mean < kLittle) {
     context.log(LogLevel::kWarning,
-                "the masks leave only " + percent +
-                    " of the pixels; if white is to be ignored, set "
-                    "ingest.invert_masks");
+                "the masks leave only " + percent + " of the pixels; " +
+                    ExchangeAdvice(options));
   }
   return Status();
 }

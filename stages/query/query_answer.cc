@@ -60,8 +60,9 @@ void PrintNotFound(const QueryAnswer& answer, std::ostream& out) {
   out << "not found: " << answer.words;
   if (const ScoredInstance* best = Best(answer)) {
     out << "; the nearest is instance " << best->id << " with "
-        << answer.score_name << " " << FormatFixed(best->score, 3)
-        << ", less than " << FormatFixed(answer.threshold, 3);
+        << answer.score_name << " "
+        << FormatFixedApart(best->score, answer.threshold, 3) << ", less than "
+        << FormatFixed(answer.threshold, 3);
   }
   out << "\n";
 }

@@ -172,9 +172,11 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
     rung = next;
   }
   FREEGS_RETURN_IF_ERROR(tasks.finish(SettingsOf(kRungs[rung])));
-  tasks.log(reached < psnr ? LogLevel::kWarning : LogLevel::kInfo,
-            goal + "holdout photos have " + FormatFixed(reached, 1) +
-                " dB after " + IterationsText(kRungs[rung]));
+  const bool missed = reached < psnr;
+  tasks.log(missed ? LogLevel::kWarning : LogLevel::kInfo,
+            goal + "holdout photos have " + (missed ? "only " : "") +
+                FormatFixedApart(reached, psnr, 1) + " dB after " +
+                IterationsText(kRungs[rung]));
   return Status();
 }
 

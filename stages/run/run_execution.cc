@@ -174,8 +174,9 @@ StatusOr<double> HoldoutPsnr(const std::filesystem::path& workspace) {
   if (psnr == metrics.end() || !psnr->is_number()) {
     return BadInputError(
         path.string() +
-        ": no photos were kept from the training to measure its accuracy by; "
-        "take more photos, or run without --at-least");
+        ": the photos that are kept from the training could not be measured, "
+        "because they have no pose or masks leave nothing of them; keep others "
+        "(ingest.holdout), or run without --at-least");
   }
   return psnr->get<double>();
 }
@@ -227,6 +228,24 @@ Status CheckConfigLeavesTraining(const std::filesystem::path& workspace) {
     if (IsChosenByPsnr(setting.name)) return ChosenByPsnrError(setting.name);
   }
   return Status();
+}
+
+// kInvalidArgument where the scene is imported: no training would change it.
+Status CheckTrains(const std::filesystem::path& workspace,
+                   const std::vector<OptionSetting>& settings) {
+  PipelineOptions options;
+  const OptionTable table = MakeOptionTable(&options);
+  FREEGS_ASSIGN_OR_RETURN(std::vector<OptionSetting> all,
+                          ConfigSettings(workspace, table));
+  all.insert(all.end(), settings.begin(), settings.end());
+  std::string import;
+  for (const OptionSetting& setting : all) {
+    if (setting.name == "reconstruct.import") import = setting.value;
+  }
+  if (import.empty()) return Status();
+  return InvalidArgumentError(
+      "--at-least trains a scene, and reconstruct.import takes one that was "
+      "trained elsewhere; leave out one of them");
 }
 
 // What becomes of a choice where the user decided otherwise.
@@ -321,6 +340,7 @@ Status ExecuteAtLeast(double psnr,
                       std::ostream& err,
                       const CancellationToken& cancellation) {
   FREEGS_RETURN_IF_ERROR(CheckConfigLeavesTraining(request.workspace));
+  FREEGS_RETURN_IF_ERROR(CheckTrains(request.workspace, settings));
   FREEGS_RETURN_IF_ERROR(Recover(request.workspace));
   pipeline::Logger logger(
       err, pipeline::IsTerminal(err), pipeline::LogPath(request.workspace));

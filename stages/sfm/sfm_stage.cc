@@ -302,7 +302,9 @@ class SfmStage : public pipeline::Stage {
     const sfm::MappingFacts facts = {
         .imported = outcome.imported,
         .max_features = result.max_features,
-        .all_pairs_compared = result.pairs.pairs == result.pairs.all_pairs};
+        .all_pairs_compared = result.pairs.pairs == result.pairs.all_pairs,
+        .camera = options_.colmap.camera,
+        .camera_model = options_.colmap.camera_model};
     sfm::Health health = sfm::MeasureHealth(result.models,
                                             names,
                                             outcome.triangulated,
@@ -380,9 +382,12 @@ class SfmStage : public pipeline::Stage {
                       SomeNames(missing));
     }
     if (health.verdict == sfm::Verdict::kFailed) {
+      std::error_code error;
+      const bool has_logs = fs::is_directory(context.output / "logs", error);
       return UnusableResultError(
           health.reason + ". What to try: " + health.advice +
-          ". See health.json and logs/ in " + context.output.string());
+          ". See health.json" + (has_logs ? " and logs/" : "") + " in " +
+          context.output.string());
     }
     if (health.verdict == sfm::Verdict::kDegraded) {
       context.log(LogLevel::kWarning,

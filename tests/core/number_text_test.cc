@@ -29,6 +29,12 @@ TEST(NumberTextTest, RoundsNumbersAndShowsADashWhereThereIsNone) {
   EXPECT_EQ(FormatPercent(1e300), "\u2013");
 }
 
+TEST(NumberTextTest, ShowsMoreDigitsOfWhatWouldLookLikeALimit) {
+  EXPECT_EQ(FormatFixedApart(26.96, 27, 1), "26.96");
+  EXPECT_EQ(FormatFixedApart(26.9, 27, 1), "26.9");
+  EXPECT_EQ(FormatFixedApart(26.9999996, 27, 1), "27.0000");
+}
+
 TEST(NumberTextTest, DecimalsShowThreeDigits) {
   EXPECT_EQ(DecimalsFor(1.5), 2);
   EXPECT_EQ(DecimalsFor(0.0015), 5);

@@ -66,6 +66,13 @@ TEST(PercentCodingTest, RefusesWhatIsNoCode) {
   }
 }
 
+TEST(ShellWordTest, QuotesWhatAShellWouldTakeApart) {
+  EXPECT_EQ(ShellWord("/home/a/scene-1.x"), "/home/a/scene-1.x");
+  EXPECT_EQ(ShellWord("my scene"), "'my scene'");
+  EXPECT_EQ(ShellWord("it's $1"), "'it'\\''s $1'");
+  EXPECT_EQ(ShellWord(""), "''");
+}
+
 TEST(NaturalLessTest, CountsAsPeopleDo) {
   const std::vector<std::string> ordered = {"a/img2.jpg",
                                             "a/img10.jpg",

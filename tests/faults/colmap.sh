@@ -32,9 +32,9 @@ survives_killed_colmap() {
   touch once
   run w "${with_fake[@]}"
   [ $? = 1 ] || return 1
-  numbered=$(stat -c %Y w/sfm*/logs/feature_extractor.log)
+  numbered=$(stat -c '%y %i' w/sfm*/logs/feature_extractor.log)
   runs_to_same_poses "${with_fake[@]}" && { [ "$1" = feature_extractor ] ||
-    [ "$(stat -c %Y w/sfm*/logs/feature_extractor.log)" = "$numbered" ]; }
+    [ "$(stat -c '%y %i' w/sfm*/logs/feature_extractor.log)" = "$numbered" ]; }
 }
 ends_hanging_colmap() {
   write_fake_colmap mapper 'sleep 1000'

@@ -32,7 +32,7 @@ makes_deleted_output_again() {
     */logs | */checkpoints | */features | sfm/database.db)
       [ $code = 0 ] && same_scene w && ! grep -q "deleted" out.txt ;;
     *) [ $code = 0 ] && same_scene w &&
-      { [ -e "w/$1" ] || grep -q "deleted ('freegs_pipeline stage" out.txt; } ;;
+      { [ -e "w/$1" ] || grep -q "deleted (to make it again: freegs_pipeline stage" out.txt; } ;;
   esac
 }
 makes_anew_what_follows_edited_ply() {

@@ -108,7 +108,9 @@ class MutationTest : public testing::TestWithParam<NamedReader> {
  protected:
   static void SetUpTestSuite() {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    const rlimit limit = {kMemory, RLIM_INFINITY};
+    rlimit limit = {};
+    ASSERT_EQ(getrlimit(RLIMIT_AS, &limit), 0);
+    limit.rlim_cur = std::min(kMemory, limit.rlim_max);
     ASSERT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
 #endif
   }
@@ -131,6 +133,7 @@ TEST_P(MutationTest, ReaderSurvives) {
     SCOPED_TRACE("input " + std::to_string(count));
     reader.read(bytes);
   }
+  EXPECT_GT(count, 0u);
   RecordProperty("executions", std::to_string(count));
 }
 

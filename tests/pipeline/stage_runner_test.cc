@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/text.h"
 #include "tests/pipeline/stage_runner_fixture.h"
 
 namespace freegs::pipeline {
@@ -75,6 +76,9 @@ TEST_F(StageRunnerTest, SwappedOutputRedoesWhatFollows) {
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "112");
   EXPECT_THAT(log_, HasSubstr("warning: b: out.txt: not as the stage wrote"));
+  EXPECT_THAT(log_,
+              HasSubstr("(to make it again: freegs_pipeline stage b " +
+                        ShellWord(workspace_.string()) + ")"));
   EXPECT_THAT(log_, HasSubstr("c: input b/out.txt changed\n"));
 }
 

@@ -63,8 +63,8 @@ Rigid3d PoseAtChairs(const SceneMakerOptions& options,
       (second ? 0 : std::numbers::pi) + (share - 0.5) * kArc + around(0.02);
   const double elevation =
       (30 + 6 * std::sin(9 * share) + around(1.5)) * kDegree;
-  const Vector3d target(
-      kChairs[second ? 1 : 0].x + around(0.02), around(0.02), 0.45);
+  const double aside = around(0.02);
+  const Vector3d target(kChairs[second ? 1 : 0].x + around(0.02), aside, 0.45);
   const double distance = 1.4 + around(0.05);
   return LookAt(
       target + distance * Vector3d(std::cos(elevation) * std::cos(azimuth),
@@ -82,8 +82,9 @@ Rigid3d PoseAtWall(const SceneMakerOptions& options,
     return half_range * (2 * shake->Uniform() - 1);
   };
   const double share = options.views < 2 ? 0.5 : index / (options.views - 1);
+  const double nearer = around(0.1);
   const Vector3d eye(-1.9 + 3.8 * share + around(0.03),
-                     0.9 + around(0.1),
+                     0.9 + nearer,
                      1.2 + 0.15 * std::sin(9 * share));
   return LookAt(eye, {eye.x() + 0.3 * std::sin(7 * share), 2.5, 0.52});
 }
@@ -141,7 +142,8 @@ Rigid3d PoseOnPath(const SceneMakerOptions& options,
   const double elevation =
       (31 + 13 * std::sin(waves * azimuth + 0.6) + around(1.5)) * kDegree;
   double distance = 1.32 + 0.08 * std::sin(2 * azimuth) + around(0.03);
-  Vector3d target(around(0.02), around(0.02), kTableHeight + 0.05);
+  Vector3d target(0, around(0.02), kTableHeight + 0.05);
+  target.x() = around(0.02);
   if (options.subject == Subject::kClutter) {
     // Every scene is seen from another distance, and not always in the middle.
     RandomStream choice(options.seed, kClutterStream);

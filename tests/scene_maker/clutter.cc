@@ -199,9 +199,10 @@ void AddRandomRoom(Scene* scene) {
     const double leg = 0.5 * (kTableHeight - 2 * kHalfTop);
     add(Shape::kFrustum, {0.1, 0.06, leg}, {0, 0, leg}, 0, 7, top);
   }
-  scene->light = Vector3d(3 * random.Uniform() - 1.5,
-                          3 * random.Uniform() - 1.5,
-                          2.2 + 0.5 * random.Uniform());
+  const double z = 2.2 + 0.5 * random.Uniform();
+  const double y = 3 * random.Uniform() - 1.5;
+  const double x = 3 * random.Uniform() - 1.5;
+  scene->light = Vector3d(x, y, z);
 }
 
 namespace {

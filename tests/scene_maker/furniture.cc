@@ -187,10 +187,10 @@ CatalogueItem RandomFurniture(const std::string& kind, RandomStream* random) {
   } else if (kind == "lamp") {
     BuildLamp(surface, random, &build);
   } else if (kind == "box") {
-    const Vector3d half(Between(0.12, 0.2, random),
-                        Between(0.12, 0.2, random),
-                        Between(0.1, 0.2, random));
-    build.Part(Shape::kBox, half, {0, 0, half.z()}, surface);
+    const double z = Between(0.1, 0.2, random);
+    const double y = Between(0.12, 0.2, random);
+    const double x = Between(0.12, 0.2, random);
+    build.Part(Shape::kBox, {x, y, z}, {0, 0, z}, surface);
   } else {
     const double radius = Between(0.12, 0.18, random);
     build.Part(

@@ -90,11 +90,11 @@ Texture RandomPlainMaterial(double size, RandomStream* random) {
     case 1:
     case 2:
     case 3:
-    case 4:
-      return Worn(a,
-                  static_cast<float>(Between(0.05, 0.5, random)),
-                  static_cast<float>(size * Between(0.1, 1, random)),
-                  seed);
+    case 4: {
+      const auto blotch = static_cast<float>(size * Between(0.1, 1, random));
+      const auto strength = static_cast<float>(Between(0.05, 0.5, random));
+      return Worn(a, strength, blotch, seed);
+    }
     case 5:
       return Checks(a, b, scale, seed);
     case 6:
@@ -155,21 +155,18 @@ Texture RandomFur(double size, RandomStream* random) {
   const Eigen::Vector3f up(static_cast<float>(0.7 * std::cos(angle)),
                            static_cast<float>(0.7 * std::sin(angle)),
                            static_cast<float>(random->Uniform()));
-  return Zones(Fur(RandomColor(random), seed + 1),
-               fur,
-               up,
-               static_cast<float>(size * Between(0.1, 0.4, random)),
-               seed + 2);
+  const auto ragged = static_cast<float>(size * Between(0.1, 0.4, random));
+  const Texture other = Fur(RandomColor(random), seed + 1);
+  return Zones(other, fur, up, ragged, seed + 2);
 }
 
 Texture RandomMaterial(double size, RandomStream* random) {
   Texture material = RandomPlainMaterial(size, random);
   if (random->Index(3) != 0) return material;
   const auto seed = static_cast<uint32_t>(random->Index(100000));
-  return Faded(std::move(material),
-               static_cast<float>(Between(0.3, 0.9, random)),
-               static_cast<float>(size * Between(0.5, 2, random)),
-               seed);
+  const auto scale = static_cast<float>(size * Between(0.5, 2, random));
+  const auto strength = static_cast<float>(Between(0.3, 0.9, random));
+  return Faded(std::move(material), strength, scale, seed);
 }
 
 }  // namespace freegs::scene_maker

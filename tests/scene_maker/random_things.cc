@@ -168,23 +168,28 @@ void AddFlat(double reach, RandomStream* random, ThingBuilder* build) {
   const double a = reach * Between(0.6, 0.85, random);
   const double b = reach * Between(0.4, 0.6, random);
   switch (random->Index(5)) {
-    case 0:  // A round mat or plate.
+    case 0: {  // A round mat or plate.
+      const Texture material = RandomMaterial(a, random);
       build->Part(Shape::kFrustum,
                   {a, a * Between(0.9, 1, random), 0.004},
                   {0, 0, 0.004},
-                  RandomMaterial(a, random));
+                  material);
       return;
+    }
     case 1: {  // A book.
       const double half = Between(0.008, 0.02, random);
+      const auto seed = static_cast<uint32_t>(random->Index(1000));
+      const Color accent = RandomColor(random);
+      const Color cover = RandomColor(random);
       build->Part(Shape::kBox,
                   {a, b, half},
                   {0, 0, half},
                   Book({static_cast<float>(a),
                         static_cast<float>(b),
                         static_cast<float>(half)},
-                       RandomColor(random),
-                       RandomColor(random),
-                       static_cast<uint32_t>(random->Index(1000))));
+                       cover,
+                       accent,
+                       seed));
       return;
     }
     case 2: {  // A keyboard: keys on a board.
@@ -215,17 +220,17 @@ void AddSolid(double reach, RandomStream* random, ThingBuilder* build) {
   const Texture material = RandomMaterial(reach, random);
   switch (random->Index(5)) {
     case 0: {
-      const Vector3d half(reach * Between(0.3, 0.7, random),
-                          reach * Between(0.3, 0.7, random),
-                          reach * Between(0.2, 0.8, random));
-      build->Part(Shape::kBox, half, {0, 0, half.z()}, material);
+      const double z = reach * Between(0.2, 0.8, random);
+      const double y = reach * Between(0.3, 0.7, random);
+      const double x = reach * Between(0.3, 0.7, random);
+      build->Part(Shape::kBox, {x, y, z}, {0, 0, z}, material);
       return;
     }
     case 1: {
-      const Vector3d half(reach * Between(0.4, 0.9, random),
-                          reach * Between(0.4, 0.7, random),
-                          reach * Between(0.3, 0.6, random));
-      build->Part(Shape::kEllipsoid, half, {0, 0, half.z()}, material);
+      const double z = reach * Between(0.3, 0.6, random);
+      const double y = reach * Between(0.4, 0.7, random);
+      const double x = reach * Between(0.4, 0.9, random);
+      build->Part(Shape::kEllipsoid, {x, y, z}, {0, 0, z}, material);
       return;
     }
     case 2: {

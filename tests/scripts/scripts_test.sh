@@ -8,7 +8,7 @@ set -euo pipefail
 unset CDPATH  # It would lead cd to other folders.
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-folder=$(mktemp -d)
+folder=$(realpath -- "$(mktemp -d)")
 trap 'rm -rf "$folder"' EXIT
 checkout="$folder/check out"
 calls=$folder/calls

@@ -269,11 +269,16 @@ test("a run under way is shown until its scene is there", async () => {
     { stdio: "ignore" },
   );
   children.push(run);
+  // The page asks every two seconds. The run waits until it has seen the picture.
+  while (run.exitCode === null && !existsSync(join(workspace, "preview.jpg")))
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  run.kill("SIGSTOP");
   await page.locator("#live [data-state='running']").first().waitFor();
   await page.locator(".v-preview").waitFor({ state: "visible" });
   assert.ok(
     (await page.locator(".v-preview").evaluate((img) => img.naturalWidth)) > 0,
   );
+  run.kill("SIGCONT");
   // In the end the report takes its place.
   await page.waitForFunction(
     () => document.querySelector("#scene3d")?.dataset.loaded,

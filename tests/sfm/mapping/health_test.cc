@@ -11,7 +11,9 @@
 namespace freegs::sfm {
 namespace {
 
+using testing::AnyOf;
 using testing::HasSubstr;
+using testing::Not;
 
 std::vector<std::string> Names(int count) {
   std::vector<std::string> names;
@@ -99,6 +101,10 @@ TEST(MeasureHealth, FewRegistered) {
   facts.all_pairs_compared = true;
   EXPECT_THAT(MeasureHealth({model}, Names(30), true, {}, facts).advice,
               HasSubstr("or try --sfm.camera per_image"));
+  // What is in force is no advice.
+  facts.camera = "per_image";
+  EXPECT_THAT(MeasureHealth({model}, Names(30), true, {}, facts).advice,
+              Not(AnyOf(HasSubstr("or try"), HasSubstr("per_image"))));
   const HealthOptions options = {.min_registered_share = 0.4};
   EXPECT_EQ(MeasureHealth({model}, Names(17), true, options).verdict,
             Verdict::kDegraded);

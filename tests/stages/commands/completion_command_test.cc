@@ -52,7 +52,7 @@ class CompletionTest : public ::testing::Test {
                   list + ")\nCOMP_CWORD=" + std::to_string(words.size()) +
                   "\n_freegs_pipeline\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n");
     const std::string command =
-        "bash '" + (folder_ / "ask").string() + "' 2>&1";
+        "LC_ALL=C bash '" + (folder_ / "ask").string() + "' 2>&1";
     std::string text;
     FILE* const pipe = popen(command.c_str(), "r");
     if (pipe == nullptr) return {"popen fails"};

@@ -55,6 +55,21 @@ TEST_F(RunGoalsTest, AnAccuracyNeedsPhotosThatAreKeptFromTheTraining) {
             0u);
 }
 
+TEST_F(RunGoalsTest, AnAccuracyNeedsATraining) {
+  WritePhotos();
+  WriteText(folder_ / "scene.ply", "x");
+  ExpectError(RunRunCommand,
+              {Path("photos"),
+               Path("w"),
+               "--at-least",
+               "psnr=27",
+               "--reconstruct.import",
+               Path("scene.ply")},
+              StatusCode::kInvalidArgument,
+              "reconstruct.import");
+  EXPECT_FALSE(fs::exists(folder_ / "w" / "ingest"));
+}
+
 TEST_F(RunGoalsTest, RunWithinATimeRemembersWhatItChose) {
   WritePhotos();
   WriteText(folder_ / "w" / "config.ini", "[general]\npreset = auto\n");

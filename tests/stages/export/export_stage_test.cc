@@ -178,8 +178,8 @@ TEST_F(ExportStageTest, ReportLinksOnlyToFilesThatAreThere) {
                 "num_gaussians": 48211, "iterations": 7000, "holdout_views":
                 [{"name": "photo3.png", "psnr": 27.77, "ssim": 0.9}]})");
   WriteText(workspace_ / "sfm" / "health.json",
-            R"({"verdict": "degraded", "reason": "Few <photos>.",
-                "advice": "Take more.", "images": 8, "registered": 6,
+            R"({"verdict": "degraded", "reason": "few <photos>",
+                "advice": "take more", "images": 8, "registered": 6,
                 "mean_reprojection_error_px": 0.513})");
   ASSERT_TRUE(Run().ok());
   const std::string page = ReadText(Out("report/index.html"));
@@ -195,7 +195,7 @@ TEST_F(ExportStageTest, ReportLinksOnlyToFilesThatAreThere) {
                            "0.51 px",
                            "27.77 dB",
                            "1 min 15 s",
-                           "Few &lt;photos&gt;."}) {
+                           "degraded. few &lt;photos&gt;; take more"}) {
     EXPECT_THAT(page, HasSubstr(text));
   }
   // The awkward file name appears escaped only, and nothing is loaded from

@@ -75,8 +75,27 @@ TEST_F(IngestMasksTest, MasksElsewhere) {
   // All black: not used, rather than a scene without features.
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(summary_["masks"], 0);
-  EXPECT_THAT(warnings_, testing::Contains(HasSubstr("ingest.invert_masks")));
+  EXPECT_THAT(warnings_,
+              testing::Contains(HasSubstr(
+                  "or, if white is to be ignored, set ingest.invert_masks")));
   EXPECT_FALSE(fs::exists(workspace_.path() / "ingest.partial/masks"));
+  // The advice does not name what is already set.
+  options_.masks.invert_masks = true;
+  for (int i = 0; i < 3; ++i) {
+    masks.Write(
+        "img" + std::to_string(i) + ".jpg.png",
+        photos::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(255))));
+  }
+  warnings_.clear();
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(warnings_,
+              testing::Contains(HasSubstr("set ingest.invert_masks to false")));
+  options_.masks.invert_masks = false;
+  for (int i = 0; i < 3; ++i) {
+    masks.Write(
+        "img" + std::to_string(i) + ".jpg.png",
+        photos::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(0))));
+  }
   pipeline::StageContext context;
   context.images = images_.path();
   EXPECT_THAT(MakeIngestStage(options_)->Inputs(context),

@@ -113,6 +113,10 @@ TEST(QueryAnswerTest, NothingFoundIsSaidPlainly) {
               AllOf(HasSubstr("not found: text \"cup\""),
                     HasSubstr("instance 1 with relevancy 0.800"),
                     HasSubstr("less than 0.950")));
+  // A score that is barely missed does not look like the threshold.
+  std::ostringstream barely;
+  PrintAnswer(MakeAnswer(1, 0.8003), Instances(), barely);
+  EXPECT_THAT(barely.str(), HasSubstr("relevancy 0.8000, less than 0.800"));
   QueryAnswer with_plane = answer;
   const auto advice = [&with_plane](double score) {
     with_plane.plane = ScoredInstance{9, score, 0.4, {}};

@@ -192,6 +192,14 @@ TEST(PsnrRun, GivesUpWhereTrainingDoesNotHelp) {
       << scene.log();
 }
 
+TEST(PsnrRun, WhatIsBarelyMissedDoesNotLookReached) {
+  FakeScene scene({{625, 26.96}, {1250, 26.96}, {2500, 26.96}, {5000, 26.96}});
+  ASSERT_TRUE(RunAtLeast(27, scene.Tasks()).ok());
+  EXPECT_GE(scene.warnings(), 1);
+  EXPECT_NE(scene.log().find("have only 26.96 dB"), std::string::npos)
+      << scene.log();
+}
+
 // Fox, as docs/speed_accuracy.md has it under "At least so accurate".
 TEST(PsnrRun, OnFoxItDependsOnWhereItBeginsWhetherItGivesUp) {
   const std::map<int, double> fox = {
