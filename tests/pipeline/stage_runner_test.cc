@@ -111,9 +111,10 @@ TEST_F(StageRunnerTest, DeletedOutputThatNoStageReadsIsTold) {
   fs::remove(workspace() / "c" / "out.txt");
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "111");
-  EXPECT_THAT(log_,
-              HasSubstr("warning: c: masks, out.txt: deleted ('freegs_pipeline "
-                        "stage c "));
+  EXPECT_THAT(
+      log_,
+      HasSubstr("warning: c: masks, out.txt: deleted (to make it again: "
+                "freegs_pipeline stage c "));
 }
 
 // Masks, for instance: a stage that reads them has no such input before they
@@ -165,7 +166,7 @@ TEST_F(StageRunnerTest, ReplacedFilesAreNotOverwritten) {
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "112");
   EXPECT_THAT(log_, HasSubstr("b: model/a.txt: not as the stage wrote it"));
-  EXPECT_THAT(log_, HasSubstr("'freegs_pipeline stage b "));
+  EXPECT_THAT(log_, HasSubstr("to make it again: freegs_pipeline stage b "));
   fs::remove(workspace() / "b" / "model" / "a.txt");
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "123");
