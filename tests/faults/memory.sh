@@ -5,7 +5,7 @@
 #   tests/faults/memory.sh BIN FOLDER [short]
 #
 # A limit of threads needs root and is left out without it. common.sh says the rest.
-# shellcheck disable=SC2034
+# shellcheck disable=SC2034  # common.sh reads it.
 num_threads=2
 # shellcheck source=tests/faults/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"

@@ -6,7 +6,7 @@
 #   tests/faults/signals.sh BIN FOLDER [short]
 #
 # The clock needs libfaketime and is left out without it. common.sh says the rest.
-# shellcheck disable=SC2034
+# shellcheck disable=SC2034  # common.sh reads it.
 num_threads=2
 # shellcheck source=tests/faults/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
