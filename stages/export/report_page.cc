@@ -54,11 +54,10 @@ void AppendViews(const ReportData& data, std::string* html) {
     *html += "<p class=\"quiet\">No view to show.</p>\n";
     return;
   }
-  *html +=
-      data.views_are_holdout
-          ? "<p class=\"quiet\">Photographs that training never saw.</p>\n"
-          : "<p class=\"quiet\">Photographs that training saw: no other one "
-            "has a pose.</p>\n";
+  *html += data.views_are_holdout
+               ? "<p class=\"quiet\">Photographs that training never saw.</p>\n"
+               : "<p class=\"quiet\">Photographs that took part in training, "
+                 "because no other one has a pose.</p>\n";
   for (const ReportView& view : data.views) {
     *html += "<section class=\"view\">\n<h3>" + EscapeHtml(view.name);
     std::string quality;

@@ -11,7 +11,7 @@ const folders = (process.env.PATH ?? "").split(delimiter);
 const chromium = [process.env.CHROMIUM ?? ""]
   .concat(
     [
-      "chromium-headless-shell", // Has no windows, and takes two thirds of the time.
+      "chromium-headless-shell", // Has no windows, and takes three quarters of the time.
       "chromium",
       "chromium-browser",
       "google-chrome",

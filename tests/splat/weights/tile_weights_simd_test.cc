@@ -26,12 +26,11 @@ TEST(TileWeights, OfALongThinSplatAreTheSameForAnyInstructionSet) {
   splat.precision_y = 2.2238425e-10f;
   splat.log2_opacity = std::log2(0.9f);
   const uint32_t entry = 0;
-  TileTask task;
-  task.splats = &splat;
-  task.entries = &entry;
-  task.count = 1;
-  task.width = 16;
-  task.height = 16;
+  const TileTask task = {.splats = &splat,
+                         .entries = &entry,
+                         .count = 1,
+                         .width = kTileSize,
+                         .height = kTileSize};
   std::vector<std::vector<float>> found;
   ForEachTarget([&] {
     alignas(64) float transmittance[kTilePixels];

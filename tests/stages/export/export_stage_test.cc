@@ -296,7 +296,9 @@ TEST_F(ExportStageTest, ReportOfABareWorkspaceSaysWhatIsMissing) {
   ASSERT_TRUE(Run().ok());
   const std::string page = ReadText(Out("report/index.html"));
   EXPECT_THAT(page, HasSubstr("not there"));
-  EXPECT_THAT(page, HasSubstr("Photographs that training saw"));
+  EXPECT_THAT(page,
+              HasSubstr("Photographs that took part in training, because no "
+                        "other one has a pose."));
 }
 
 TEST_F(ExportStageTest, DeeplyNestedHealthCountsAsMissing) {

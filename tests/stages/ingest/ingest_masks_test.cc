@@ -67,11 +67,14 @@ TEST_F(IngestMasksTest, MasksElsewhere) {
   WritePhotos(3);
   const TemporaryFolder masks;
   options_.masks.masks = masks.path().string();
-  for (int i = 0; i < 3; ++i) {
-    masks.Write(
-        "img" + std::to_string(i) + ".jpg.png",
-        photos::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(0))));
-  }
+  const auto paint = [&masks](int value) {
+    for (int i = 0; i < 3; ++i) {
+      masks.Write(
+          "img" + std::to_string(i) + ".jpg.png",
+          photos::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(value))));
+    }
+  };
+  paint(0);
   // All black: not used, rather than a scene without features.
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(summary_["masks"], 0);
@@ -81,21 +84,13 @@ TEST_F(IngestMasksTest, MasksElsewhere) {
   EXPECT_FALSE(fs::exists(workspace_.path() / "ingest.partial/masks"));
   // The advice does not name what is already set.
   options_.masks.invert_masks = true;
-  for (int i = 0; i < 3; ++i) {
-    masks.Write(
-        "img" + std::to_string(i) + ".jpg.png",
-        photos::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(255))));
-  }
+  paint(255);
   warnings_.clear();
   ASSERT_TRUE(Run().ok());
   EXPECT_THAT(warnings_,
               testing::Contains(HasSubstr("set ingest.invert_masks to false")));
   options_.masks.invert_masks = false;
-  for (int i = 0; i < 3; ++i) {
-    masks.Write(
-        "img" + std::to_string(i) + ".jpg.png",
-        photos::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(0))));
-  }
+  paint(0);
   pipeline::StageContext context;
   context.images = images_.path();
   EXPECT_THAT(MakeIngestStage(options_)->Inputs(context),

@@ -84,6 +84,7 @@ TEST_F(SfmStageTest, FewRegisteredIsNotUsable) {
   EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
   EXPECT_THAT(status.message(), HasSubstr("4 of 10"));
   EXPECT_THAT(status.message(), HasSubstr("What to try"));
+  EXPECT_THAT(status.message(), HasSubstr("health.json and logs/ in "));
   EXPECT_EQ(Health("sfm.partial")["verdict"], "failed");
   EXPECT_FALSE(fs::exists(workspace_.path() / "sfm"));
 
@@ -105,6 +106,13 @@ TEST_F(SfmStageTest, MorePairsAreAdvisedWhereSomeWereNotCompared) {
   options_.colmap.pairs.num_neighbours = 2;
   status = Run(few);
   EXPECT_THAT(status.message(), HasSubstr("--sfm.matcher exhaustive"));
+
+  // What is in force is no advice.
+  fs::remove_all(workspace_.path() / "sfm.partial");
+  options_.colmap.camera = "per_image";
+  status = Run(few);
+  EXPECT_THAT(status.message(), HasSubstr("--sfm.matcher exhaustive"));
+  EXPECT_THAT(status.message(), Not(HasSubstr("--sfm.camera")));
 }
 
 TEST_F(SfmStageTest, NoModelIsNotUsable) {
