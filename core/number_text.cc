@@ -22,13 +22,13 @@ std::string FormatFixed(double value, int decimals) {
   return text;
 }
 
-std::string FormatFixedApart(double value, double limit, int decimals) {
+int DecimalsApart(double value, double limit, int decimals) {
   const int most = decimals + 3;
   while (decimals < most &&
          FormatFixed(value, decimals) == FormatFixed(limit, decimals)) {
     ++decimals;
   }
-  return FormatFixed(value, decimals);
+  return decimals;
 }
 
 int DecimalsFor(double length) {

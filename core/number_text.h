@@ -13,10 +13,9 @@ namespace freegs {
 // finite.
 std::string FormatFixed(double value, int decimals);
 
-// The value with this many digits after the point, or with up to three more
-// where it would look like the limit, which it is not: "0.4997" and no "0.500"
-// beside a limit of 0.5.
-std::string FormatFixedApart(double value, double limit, int decimals);
+// How many digits after the point show a value and a limit: this many, or up to
+// three more where both would look the same, as 0.4997 and 0.5 do with three.
+int DecimalsApart(double value, double limit, int decimals);
 
 // How many digits after the point show a value of this size to three digits: 2
 // for 1.5, 5 for 0.0015, at least 0 and at most 12; 3 for 0 and for what is no

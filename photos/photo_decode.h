@@ -33,7 +33,7 @@ struct PhotoDecodeOptions {
   int min_side = 32;
 
   // What transparent pixels show: "white" or "black".
-  std::string background = "white";
+  std::string background = "black";
 
   // Whether 16-bit samples become 255 unless they are 0, instead of being
   // divided. Masks need it.

@@ -129,6 +129,19 @@ Status HoldOutNamed(const std::vector<std::string>& names,
       "; write their names as they are in the photo folder, one per line");
 }
 
+// Fewer photos than these do not tell a lens well enough to have their own.
+constexpr int kMinOfSource = 10;
+
+// What tells cameras apart where EXIF does not: the film of a frame, and the
+// folder of a photo whose EXIF knows no camera. Empty for other photos.
+std::string SourceOf(const Photo& photo) {
+  if (!photo.film.empty()) return photo.film;
+  const bool known = !photo.make.empty() || !photo.model.empty() ||
+                     photo.focal_length_mm || photo.focal_length_35mm;
+  if (known) return "";
+  return std::filesystem::path(photo.file).parent_path().string();
+}
+
 }  // namespace
 
 void RejectDuplicates(std::vector<Photo>* photos) {
@@ -228,7 +241,10 @@ StatusOr<std::vector<std::string>> AssignHoldout(const HoldoutRule& rule,
 }
 
 void AssignCameraGroups(std::vector<Photo>* photos) {
+  std::map<std::string, int> photos_of_source;
+  for (const Photo* photo : Usable(photos)) ++photos_of_source[SourceOf(*photo)];
   std::map<std::tuple<bool,
+                      std::string,
                       int,
                       int,
                       std::string,
@@ -239,7 +255,10 @@ void AssignCameraGroups(std::vector<Photo>* photos) {
            int>
       groups;
   for (Photo* photo : Usable(photos)) {
+    std::string source = SourceOf(*photo);
+    if (photos_of_source[source] < kMinOfSource) source.clear();
     const auto [group, fresh] = groups.try_emplace({photo->film.empty(),
+                                                    source,
                                                     photo->width,
                                                     photo->height,
                                                     photo->make,

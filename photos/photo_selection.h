@@ -60,7 +60,8 @@ StatusOr<std::vector<std::string>> AssignHoldout(const HoldoutRule& rule,
                                                  std::vector<Photo>* photos);
 
 // Sets camera_group: photos of equal size, camera and focal length get the same
-// number.
+// number. Frames of different films get different ones, and so do photos of
+// different folders whose EXIF names no camera, where there are ten or more.
 void AssignCameraGroups(std::vector<Photo>* photos);
 
 }  // namespace freegs::photos

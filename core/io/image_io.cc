@@ -73,13 +73,13 @@ ClaimedSize JpegSize(std::string_view bytes) {
   return {};
 }
 
-// Sizes of the first picture (TIFF 6.0, section 2). Compressed by Deflate, as
-// in a PNG. A size that is no plain number counts as too large.
 bool IsTiff(std::string_view bytes) {
   return bytes.starts_with(std::string_view("II*\0", 4)) ||
          bytes.starts_with(std::string_view("MM\0*", 4));
 }
 
+// Sizes of the first picture (TIFF 6.0, section 2). Compressed by Deflate, as
+// in a PNG. A size that is no plain number counts as too large.
 ClaimedSize TiffSize(std::string_view bytes) {
   constexpr uint64_t kEntryBytes = 12;
   const auto number = [&](uint64_t at, size_t size) -> uint64_t {

@@ -9,10 +9,12 @@
 #include <set>
 #include <system_error>
 #include <tuple>
+#include <utility>
 
 #include "core/io/files.h"
 #include "core/text.h"
 #include "sfm/import/name_matching.h"
+#include "sfm/import/quarter_turn.h"
 #include "sfm/import/resize.h"
 #include "sfm/import/transforms_json.h"
 #include "sfm/scene/model_io.h"
@@ -76,6 +78,24 @@ StatusOr<std::vector<int>> MatchByName(const std::vector<std::string>& names,
         SomeNames(tied));
   }
   return name_of_photo;
+}
+
+// The turns that bring a picture of this size to that of the photo, which EXIF
+// turned; 0 if it has the photo's shape already, or no turn helps.
+int TurnsToPhoto(double width, double height, const SfmPhoto& photo) {
+  const bool fits = IsResized(width, height, photo.width, photo.height);
+  const bool fits_turned = IsResized(height, width, photo.width, photo.height);
+  return !fits && fits_turned ? QuarterTurns(photo.orientation) : 0;
+}
+
+// Tells once which poses were made of the stored photos and turned.
+void TellOfTurned(const std::vector<std::string>& photos,
+                  const std::string& source,
+                  std::vector<std::string>* warnings) {
+  if (photos.empty()) return;
+  warnings->push_back(source + ": made for photos as they are stored, so " +
+                      "their poses were turned as EXIF turns the photos: " +
+                      SomeNames(photos));
 }
 
 // Makes camera and features fit a photo of another size.
@@ -165,10 +185,17 @@ StatusOr<ImportedModel> ImportColmap(const fs::path& folder,
   const auto camera_index = IndexCameras(source);
   CameraSet cameras;
   std::vector<std::string> scaled;
+  std::vector<std::string> turned;
   for (size_t p = 0; p < photos.size(); ++p) {
     if (image_of_photo[p] < 0) continue;
     PosedImage image = std::move(source.images[image_of_photo[p]]);
     Camera camera = source.cameras[camera_index.at(image.camera_id)];
+    if (const int turns = TurnsToPhoto(static_cast<double>(camera.width),
+                                       static_cast<double>(camera.height),
+                                       photos[p])) {
+      TurnClockwise(turns, &camera, &image);
+      turned.push_back(photos[p].name);
+    }
     if (camera.width != static_cast<uint64_t>(photos[p].width) ||
         camera.height != static_cast<uint64_t>(photos[p].height)) {
       scaled.push_back(photos[p].name);
@@ -181,6 +208,7 @@ StatusOr<ImportedModel> ImportColmap(const fs::path& folder,
     if (IsTurnedUnseen(photos[p], true)) result.turned.push_back(image.name);
     result.model.images.push_back(std::move(image));
   }
+  TellOfTurned(turned, folder.string(), &result.warnings);
   WarnOfScaled(scaled, folder.string(), &result.warnings);
   result.model.cameras = cameras.Take();
   result.model.points3d = std::move(source.points3d);
@@ -272,11 +300,19 @@ StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
 
   CameraSet cameras;
   std::vector<std::string> scaled;
+  std::vector<std::string> turned;
   for (size_t p = 0; p < photos.size(); ++p) {
     if (frame_of_photo[p] < 0) continue;
     const NamedFrame& named = frames[frame_of_photo[p]];
-    StatusOr<Camera> camera =
-        MakeCamera(named.frame.intrinsics, photos[p].width, photos[p].height);
+    const TransformsIntrinsics& given = named.frame.intrinsics;
+    // Those of the picture that the pose belongs to.
+    int width = photos[p].width;
+    int height = photos[p].height;
+    const bool size_known = given.width > 0 && given.height > 0;
+    const int turns =
+        size_known ? TurnsToPhoto(given.width, given.height, photos[p]) : 0;
+    if (turns != 0) std::swap(width, height);
+    StatusOr<Camera> camera = MakeCamera(given, width, height);
     if (!camera.ok()) {
       return camera.status().Annotated(source.transforms.string() + ": '" +
                                        named.frame.file_path + "'");
@@ -285,18 +321,22 @@ StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
     image.id = static_cast<uint32_t>(result.model.images.size() + 1);
     image.name = photos[p].name;
     image.cam_from_world = named.frame.cam_from_world;
+    if (turns != 0) {
+      TurnClockwise(turns, &*camera, &image);
+      turned.push_back(image.name);
+    }
     image.camera_id = cameras.Add(std::move(*camera), 0);
     if (named.holdout) result.holdout.push_back(image.name);
-    const TransformsIntrinsics& given = named.frame.intrinsics;
-    if ((given.width > 0 && given.width != photos[p].width) ||
-        (given.height > 0 && given.height != photos[p].height)) {
+    if ((given.width > 0 && given.width != width) ||
+        (given.height > 0 && given.height != height)) {
       scaled.push_back(image.name);
     }
-    if (IsTurnedUnseen(photos[p], given.width > 0 && given.height > 0)) {
+    if (IsTurnedUnseen(photos[p], size_known)) {
       result.turned.push_back(image.name);
     }
     result.model.images.push_back(std::move(image));
   }
+  TellOfTurned(turned, source.transforms.string(), &result.warnings);
   WarnOfScaled(scaled, source.transforms.string(), &result.warnings);
   result.model.cameras = cameras.Take();
   return result;

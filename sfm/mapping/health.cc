@@ -106,10 +106,13 @@ std::string MoreOverlap(const MappingFacts& facts) {
 // What helps where the lens was not described well.
 std::string OtherLens(const MappingFacts& facts) {
   std::string advice = "the lens may need another model: try ";
-  advice += facts.camera_model == "OPENCV"
-                ? "--sfm.camera_model OPENCV_FISHEYE if it is very wide"
-                : "--sfm.camera_model OPENCV (OPENCV_FISHEYE for very wide "
-                  "lenses)";
+  if (facts.camera_model == "OPENCV") {
+    advice += "--sfm.camera_model OPENCV_FISHEYE if it is very wide";
+  } else if (facts.camera_model == "OPENCV_FISHEYE") {
+    advice += "--sfm.camera_model OPENCV if it is not very wide";
+  } else {
+    advice += "--sfm.camera_model OPENCV (OPENCV_FISHEYE for very wide lenses)";
+  }
   if (facts.camera != kPerImage) {
     advice += ", or --sfm.camera per_image if the zoom changed between photos";
   }

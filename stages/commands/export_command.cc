@@ -53,12 +53,13 @@ void TellOffset(const Eigen::Vector3d& offset, CommandContext& context) {
               << ", since float32 numbers of the world would be too coarse\n";
 }
 
-// The model in the colours and of the degree that the request asks for.
+// Gives the model the colours and the degree that the request asks for.
 void Recolor(const ExportRequest& request,
              const std::vector<int32_t>& labels,
              splat::GaussianModel* model) {
   if (request.what == "instances") *model = ColorByInstance(*model, labels);
-  model->SetShDegree(std::min(model->sh_degree, request.sh_degree));
+  if (request.sh_degree == "scene") return;
+  model->SetShDegree(request.sh_degree[0] - '0');
 }
 
 Status ExportScene(const ExportRequest& request, CommandContext& context) {

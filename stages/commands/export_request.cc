@@ -114,10 +114,9 @@ CommandWords DescribeExport(ExportRequest* request) {
   words.AddOption(
       "sh-degree",
       &request->sh_degree,
-      {.help = "Highest degree of the view-dependent colour that is "
-               "written; less makes smaller files.",
-       .min = 0,
-       .max = splat::kMaxShDegree});
+      {.help = "Degree of the view-dependent colour in the file. Less than "
+               "that of the scene makes smaller files, more adds zeros.",
+       .choices = {"scene", "0", "1", "2", "3"}});
   words.AddThreads(&request->threads);
   words.RequireOneOf({"out", "objects"});
   return words;

@@ -24,7 +24,7 @@ struct ExportRequest {
   std::string format = "ply";
   std::string what = "color";
   InstanceChoice choice;
-  int sh_degree = splat::kMaxShDegree;
+  std::string sh_degree = "scene";  // Or "0" to "3".
   int threads = 0;
 };
 

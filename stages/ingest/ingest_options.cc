@@ -70,8 +70,9 @@ void RegisterIngestOptions(IngestStageOptions& options,
             {.help = "White is ignored instead of black."});
   table.Add("ingest.background",
             &options.decode.background,
-            {.help = "What shows through transparent pixels.",
-             .choices = {"white", "black"}});
+            {.help = "What shows through transparent pixels. It should be "
+                     "reconstruct.background, too.",
+             .choices = {"black", "white"}});
   table.Add("ingest.max_megapixels",
             &options.decode.max_megapixels,
             {.help = "Photos of more million pixels than this are not used.",

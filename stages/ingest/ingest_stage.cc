@@ -101,7 +101,7 @@ class IngestStage : public pipeline::Stage {
   explicit IngestStage(const IngestStageOptions& options) : options_(options) {}
 
   std::string_view name() const override { return "ingest"; }
-  int version() const override { return 4; }
+  int version() const override { return 5; }
 
   std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {context.images};

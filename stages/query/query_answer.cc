@@ -59,10 +59,10 @@ std::string Triple(const Eigen::Vector3d& x, int decimals) {
 void PrintNotFound(const QueryAnswer& answer, std::ostream& out) {
   out << "not found: " << answer.words;
   if (const ScoredInstance* best = Best(answer)) {
+    const int decimals = DecimalsApart(best->score, answer.threshold, 3);
     out << "; the nearest is instance " << best->id << " with "
-        << answer.score_name << " "
-        << FormatFixedApart(best->score, answer.threshold, 3) << ", less than "
-        << FormatFixed(answer.threshold, 3);
+        << answer.score_name << " " << FormatFixed(best->score, decimals)
+        << ", less than " << FormatFixed(answer.threshold, decimals);
   }
   out << "\n";
 }

@@ -220,8 +220,8 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
              .choices = {"auto", "on", "off"}});
   table.Add("reconstruct.background",
             &options.background,
-            {.help = "Colour behind the scene. White suits cut-out objects "
-                     "(see ingest.background).",
+            {.help = "Colour behind the scene, where nothing is. For cut-out "
+                     "objects it should be ingest.background.",
              .choices = {"black", "white"}});
   table.Add(
       "reconstruct.antialiased",

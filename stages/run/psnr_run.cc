@@ -117,6 +117,10 @@ Status ChosenByPsnrError(const std::string& option) {
 Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
   const std::string goal =
       "run: at least " + FormatSignificant(psnr, 4) + " dB: ";
+  // What is barely missed must not look reached.
+  const auto as_text = [psnr](double reached) {
+    return FormatFixed(reached, DecimalsApart(reached, psnr, 1)) + " dB";
+  };
   constexpr size_t kLast = std::size(kRungs) - 1;
   size_t rung = 0;
   // How much longer trainings gain in this scene, relative to what others gain;
@@ -151,7 +155,7 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
     }
     const double expected = reached + scale * GainBetween(rung, next);
     const std::string outlook = goal + IterationsText(kRungs[rung]) + " gave " +
-                                FormatFixed(reached, 1) + " dB, " +
+                                as_text(reached) + ", " +
                                 FormatCount(kRungs[next].iterations) +
                                 " are expected to give " +
                                 FormatFixed(expected, 1);
@@ -164,7 +168,7 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
                             tasks.train(SettingsOf(kRungs[next])));
     tasks.log(LogLevel::kInfo,
               goal + IterationsText(kRungs[next]) + " gave " +
-                  FormatFixed(better, 1) + " dB, " + FormatFixed(expected, 1) +
+                  as_text(better) + ", " + FormatFixed(expected, 1) +
                   " were expected");
     scale = std::clamp((better - reached) / GainBetween(rung, next), 0.0, 2.0);
     margin = kMargin;
@@ -175,7 +179,7 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
   const bool missed = reached < psnr;
   tasks.log(missed ? LogLevel::kWarning : LogLevel::kInfo,
             goal + "holdout photos have " + (missed ? "only " : "") +
-                FormatFixedApart(reached, psnr, 1) + " dB after " +
+                as_text(reached) + " after " +
                 IterationsText(kRungs[rung]));
   return Status();
 }

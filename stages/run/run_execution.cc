@@ -231,7 +231,9 @@ Status CheckConfigLeavesTraining(const std::filesystem::path& workspace) {
 }
 
 // kInvalidArgument where the scene is imported: no training would change it.
-Status CheckTrains(const std::filesystem::path& workspace,
+// `goal` is the option that a training is to meet.
+Status CheckTrains(const std::string& goal,
+                   const std::filesystem::path& workspace,
                    const std::vector<OptionSetting>& settings) {
   PipelineOptions options;
   const OptionTable table = MakeOptionTable(&options);
@@ -244,7 +246,7 @@ Status CheckTrains(const std::filesystem::path& workspace,
   }
   if (import.empty()) return Status();
   return InvalidArgumentError(
-      "--at-least trains a scene, and reconstruct.import takes one that was "
+      goal + " trains a scene, and reconstruct.import takes one that was "
       "trained elsewhere; leave out one of them");
 }
 
@@ -295,6 +297,7 @@ Status ExecuteWithin(double seconds,
                      std::ostream& err,
                      const CancellationToken& cancellation) {
   using Clock = std::chrono::steady_clock;
+  FREEGS_RETURN_IF_ERROR(CheckTrains("--within", request.workspace, settings));
   FREEGS_RETURN_IF_ERROR(Recover(request.workspace));
   pipeline::Logger logger(
       err, pipeline::IsTerminal(err), pipeline::LogPath(request.workspace));
@@ -340,7 +343,8 @@ Status ExecuteAtLeast(double psnr,
                       std::ostream& err,
                       const CancellationToken& cancellation) {
   FREEGS_RETURN_IF_ERROR(CheckConfigLeavesTraining(request.workspace));
-  FREEGS_RETURN_IF_ERROR(CheckTrains(request.workspace, settings));
+  FREEGS_RETURN_IF_ERROR(
+      CheckTrains("--at-least", request.workspace, settings));
   FREEGS_RETURN_IF_ERROR(Recover(request.workspace));
   pipeline::Logger logger(
       err, pipeline::IsTerminal(err), pipeline::LogPath(request.workspace));

@@ -30,9 +30,9 @@ TEST(NumberTextTest, RoundsNumbersAndShowsADashWhereThereIsNone) {
 }
 
 TEST(NumberTextTest, ShowsMoreDigitsOfWhatWouldLookLikeALimit) {
-  EXPECT_EQ(FormatFixedApart(26.96, 27, 1), "26.96");
-  EXPECT_EQ(FormatFixedApart(26.9, 27, 1), "26.9");
-  EXPECT_EQ(FormatFixedApart(26.9999996, 27, 1), "27.0000");
+  EXPECT_EQ(DecimalsApart(26.96, 27, 1), 2);
+  EXPECT_EQ(DecimalsApart(26.9, 27, 1), 1);
+  EXPECT_EQ(DecimalsApart(26.9999996, 27, 1), 4);
 }
 
 TEST(NumberTextTest, DecimalsShowThreeDigits) {

@@ -207,7 +207,7 @@ TEST(PhotoDecodeTest, UncommonPngKinds) {
     const auto header = ParsePhotoHeader(c.bytes);
     ASSERT_TRUE(header.ok()) << c.what << header.status().message();
     EXPECT_FALSE(IsPlainPhoto(*header)) << c.what;
-    const auto image = Decode(c.bytes);
+    const auto image = Decode(c.bytes, {.background = "white"});
     ASSERT_TRUE(image.ok()) << c.what << ": " << image.status().message();
     EXPECT_EQ((*image)(3, 3, 0), c.red) << c.what;
     EXPECT_EQ((*image)(3, 3, 2), c.blue) << c.what;
@@ -226,7 +226,7 @@ TEST(PhotoDecodeTest, TiffAlphaIsAppliedOnceWhateverItsKind) {
     for (const cv::Mat& picture : {shallow, deep}) {
       const std::string bytes =
           WithTiffTag(Encode(".tif", picture), 338, c.kind);
-      const auto white = Decode(bytes);
+      const auto white = Decode(bytes, {.background = "white"});
       const auto black = Decode(bytes, {.background = "black"});
       ASSERT_TRUE(white.ok()) << white.status().message();
       EXPECT_NEAR((*white)(3, 3, 0), c.white, 1)
@@ -267,7 +267,8 @@ TEST(PhotoDecodeTest, KindsOfTiffs) {
       {"CMYK", {.photometric = 5}, {255, 0, 0, 0}, {0, 255, 255}},
   };
   for (const auto& c : cases) {
-    const auto image = Decode(RawTiff(c.fields, c.pixel));
+    const auto image =
+        Decode(RawTiff(c.fields, c.pixel), {.background = "white"});
     ASSERT_TRUE(image.ok()) << c.what << ": " << image.status().message();
     for (int k = 0; k < 3; ++k) {
       EXPECT_EQ((*image)(0, 0, k), c.rgb[k]) << c.what;

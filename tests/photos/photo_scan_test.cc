@@ -33,6 +33,8 @@ TEST(ScanPhotosTest, FindsPhotosBelowInNaturalOrder) {
                            ".hidden.jpg",
                            ".thumbs/z.jpg",
                            "z.heic",
+                           "z.hif",
+                           "z.mpo",
                            "it's \"quoted\".jpg",
                            "größe 日本.png"}) {
     folder.Write(name, "x");
@@ -46,7 +48,9 @@ TEST(ScanPhotosTest, FindsPhotosBelowInNaturalOrder) {
                           "img2.JPG",
                           "img10.jpg",
                           "it's \"quoted\".jpg",
-                          "z.heic"));
+                          "z.heic",
+                          "z.hif",
+                          "z.mpo"));
   EXPECT_THAT(scan->warnings, IsEmpty());
 }
 

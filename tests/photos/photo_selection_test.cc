@@ -223,5 +223,36 @@ TEST(AssignCameraGroupsTest, GroupsBySizeCameraAndFocalLength) {
   EXPECT_THAT(groups, ElementsAre(0, 1, 0, 2, 3, -1, 0, 4));
 }
 
+// Two films, and the two cameras of a rig, may have different lenses.
+TEST(AssignCameraGroupsTest, FilmsAndFoldersWithoutExifAreToldApart) {
+  std::vector<Photo> photos = MakePhotos(44);
+  for (int i = 0; i < 40; ++i) {
+    Photo& photo = photos[i];
+    if (i < 20) {
+      photo.film = i < 10 ? "wide.mp4" : "tele.mp4";
+    } else {
+      photo.file = (i < 30 ? "left/" : "right/") + photo.file;
+    }
+  }
+  for (int i = 40; i < 44; ++i) photos[i].file = "few/" + photos[i].file;
+  AssignCameraGroups(&photos);
+  std::vector<int> tens;
+  for (int i = 0; i < 44; ++i) {
+    EXPECT_EQ(photos[i].camera_group, photos[i - i % 10].camera_group) << i;
+    if (i % 10 == 0) tens.push_back(photos[i].camera_group);
+  }
+  EXPECT_THAT(tens, ElementsAre(0, 1, 2, 3, 4));
+
+  // EXIF knows better, and few photos do not tell a lens.
+  for (int i = 20; i < 40; ++i) photos[i].model = "M";
+  for (int i = 30; i < 32; ++i) photos[i].split = PhotoSplit::kRejected;
+  for (int i = 10; i < 12; ++i) photos[i].split = PhotoSplit::kRejected;
+  AssignCameraGroups(&photos);
+  EXPECT_EQ(photos[0].camera_group, 0);
+  EXPECT_EQ(photos[19].camera_group, 1);
+  EXPECT_EQ(photos[20].camera_group, photos[39].camera_group);
+  EXPECT_NE(photos[20].camera_group, photos[43].camera_group);
+}
+
 }  // namespace
 }  // namespace freegs::photos

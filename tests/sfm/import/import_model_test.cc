@@ -166,6 +166,58 @@ TEST(ImportModel, TurnsThatNoSizeShows) {
   EXPECT_THAT(imported->turned, ElementsAre(PhotoName(2)));
 }
 
+// As COLMAP 3.8 does it, which does not heed EXIF.
+TEST(ImportModel, PosesOfStoredPhotosAreTurned) {
+  const TemporaryFolder folder;
+  const Reconstruction model = SyntheticModel(3, 10);
+  ASSERT_TRUE(WriteModel(folder.path() / "colmap", model).ok());
+  WriteText(folder / "transforms.json",
+            R"({"w":640,"h":480,"fl_x":500,"fl_y":500,"cx":310,"cy":250,)"
+            R"("frames":[{"file_path":")" +
+                PhotoName(0) +
+                R"(","transform_matrix":[[1,0,0,0],[0,1,0,0],[0,0,1,0],)"
+                R"([0,0,0,1]]}]})");
+  std::vector<SfmPhoto> photos = Photos(3);
+  photos[0].width = 240;
+  photos[0].height = 320;
+  for (const int orientation : {6, 8}) {
+    photos[0].orientation = orientation;
+    const auto colmap = Import(folder / "colmap", photos);
+    ASSERT_TRUE(colmap.ok()) << colmap.status().message();
+    ASSERT_EQ(colmap->warnings.size(), 2u);
+    EXPECT_THAT(colmap->warnings[0], HasSubstr("as they are stored"));
+    EXPECT_THAT(colmap->warnings[0], HasSubstr(PhotoName(0)));
+    EXPECT_THAT(colmap->warnings[1], HasSubstr("another size"));
+    const auto cameras = IndexCameras(colmap->model);
+    // Every feature still lies where its point falls, in half of the size.
+    for (const PosedImage& image : colmap->model.images) {
+      const Camera& camera =
+          colmap->model.cameras[cameras.at(image.camera_id)];
+      for (const Point2D& feature : image.points2d) {
+        if (feature.point3d_id == kNoPoint3D) continue;
+        const Eigen::Vector3d& xyz =
+            colmap->model.points3d[feature.point3d_id - 10].xyz;
+        const auto pixel = Project(camera, image.cam_from_world * xyz);
+        ASSERT_TRUE(pixel);
+        EXPECT_LT((*pixel - feature.xy).norm(), 1e-6) << image.name;
+      }
+    }
+    const auto transforms = Import(folder / "transforms.json", photos);
+    ASSERT_TRUE(transforms.ok()) << transforms.status().message();
+    const Camera& camera = transforms->model.cameras[0];
+    EXPECT_EQ(camera.width, 240u);
+    EXPECT_EQ(camera.PrincipalX(), orientation == 6 ? 115 : 125);
+    EXPECT_EQ(camera.PrincipalY(), orientation == 6 ? 155 : 165);
+    EXPECT_TRUE(transforms->turned.empty());
+  }
+  // A mirrored photo, and one that EXIF does not turn.
+  for (const int orientation : {5, 1}) {
+    photos[0].orientation = orientation;
+    EXPECT_THAT(Import(folder / "colmap", photos).status().message(),
+                HasSubstr("another shape"));
+  }
+}
+
 TEST(ImportModel, NamesThatFitNothing) {
   const TemporaryFolder folder;
   Reconstruction model = SyntheticModel(3, 10);

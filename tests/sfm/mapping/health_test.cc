@@ -44,6 +44,15 @@ TEST(MeasureHealth, ReprojectionErrorIsMeasured) {
   EXPECT_THAT(health.reason, HasSubstr("reprojection"));
   EXPECT_THAT(health.advice, HasSubstr("camera_model"));
 
+  // Advice names no camera model that is used already.
+  for (const char* used : {"OPENCV", "OPENCV_FISHEYE"}) {
+    const MappingFacts facts = {.camera_model = used};
+    const std::string advice =
+        MeasureHealth({model}, Names(8), true, {}, facts).advice;
+    EXPECT_THAT(advice + " ",
+                Not(HasSubstr("camera_model " + std::string(used) + " ")));
+  }
+
   // COLMAP's options change nothing about imported poses.
   const MappingFacts facts = {.imported = true};
   const Health imported = MeasureHealth({model}, Names(8), true, {}, facts);

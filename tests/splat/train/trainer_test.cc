@@ -309,8 +309,6 @@ TEST_F(TrainerTest, ColourDependsOnTheViewFromShStartOn) {
   }
 }
 
-// What the photos show where masks say to ignore them changes no byte of the
-// result, and not what is measured either.
 TEST_F(TrainerTest, MeasuresHoldoutAtALevel) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);

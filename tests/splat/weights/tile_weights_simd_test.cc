@@ -37,6 +37,7 @@ TEST(TileWeights, OfALongThinSplatAreTheSameForAnyInstructionSet) {
     const auto list = std::make_unique<TileWeightList>();
     ListTileWeights(task, 0, transmittance, list.get());
     found.emplace_back(list->weight, list->weight + list->count);
+    EXPECT_FALSE(found.back().empty());
     EXPECT_EQ(found.back(), found.front());
   });
 }

@@ -52,6 +52,18 @@ TEST_F(ExportCommandTest, PlyAndSplatAreTheModel) {
   EXPECT_THAT(output_.str(), HasSubstr("120 Gaussians"));
 }
 
+// As programs want it that read the files of 3DGS and nothing else.
+TEST_F(ExportCommandTest, ADegreeAboveThatOfTheModelAddsZeros) {
+  ASSERT_LT(workspace_.model.sh_degree, 3);
+  ASSERT_TRUE(
+      Export({workspace(), "--out", File("a.ply"), "--sh-degree", "3"}).ok());
+  splat::GaussianModel model = splat::ReadPly(File("a.ply")).value().model;
+  EXPECT_EQ(model.sh_degree, 3);
+  EXPECT_THAT(ReadText(File("a.ply")), HasSubstr("f_rest_44\n"));
+  model.SetShDegree(workspace_.model.sh_degree);
+  EXPECT_EQ(splat::SerializePly(model), splat::SerializePly(workspace_.model));
+}
+
 TEST_F(ExportCommandTest, InstancesHaveFlatColoursAndTheSameShape) {
   workspace_.AddInstances();
   ASSERT_TRUE(

@@ -55,19 +55,23 @@ TEST_F(RunGoalsTest, AnAccuracyNeedsPhotosThatAreKeptFromTheTraining) {
             0u);
 }
 
-TEST_F(RunGoalsTest, AnAccuracyNeedsATraining) {
+TEST_F(RunGoalsTest, AGoalNeedsATraining) {
   WritePhotos();
   WriteText(folder_ / "scene.ply", "x");
-  ExpectError(RunRunCommand,
-              {Path("photos"),
-               Path("w"),
-               "--at-least",
-               "psnr=27",
-               "--reconstruct.import",
-               Path("scene.ply")},
-              StatusCode::kInvalidArgument,
-              "reconstruct.import");
-  EXPECT_FALSE(fs::exists(folder_ / "w" / "ingest"));
+  const std::vector<std::pair<std::string, std::string>> goals = {
+      {"--at-least", "psnr=27"}, {"--within", "5m"}};
+  for (const auto& [option, value] : goals) {
+    ExpectError(RunRunCommand,
+                {Path("photos"),
+                 Path("w"),
+                 option,
+                 value,
+                 "--reconstruct.import",
+                 Path("scene.ply")},
+                StatusCode::kInvalidArgument,
+                option + " trains a scene, and reconstruct.import");
+    EXPECT_FALSE(fs::exists(folder_ / "w" / "ingest"));
+  }
 }
 
 TEST_F(RunGoalsTest, RunWithinATimeRemembersWhatItChose) {

@@ -61,7 +61,7 @@ TEST_F(IngestFilmsTest, FolderOfFilms) {
   EXPECT_EQ(list.photos.front().film, "a.avi");
   EXPECT_EQ(list.photos.back().file, "c.mp4");
   EXPECT_FALSE(list.photos.back().usable());
-  EXPECT_EQ(summary_["camera_groups"], 1);
+  EXPECT_EQ(summary_["camera_groups"], 2);
   EXPECT_THAT(warnings_, ElementsAre(HasSubstr("c.mp4: not used: ")));
 }
 

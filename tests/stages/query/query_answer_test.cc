@@ -116,7 +116,7 @@ TEST(QueryAnswerTest, NothingFoundIsSaidPlainly) {
   // A score that is barely missed does not look like the threshold.
   std::ostringstream barely;
   PrintAnswer(MakeAnswer(1, 0.8003), Instances(), barely);
-  EXPECT_THAT(barely.str(), HasSubstr("relevancy 0.8000, less than 0.800"));
+  EXPECT_THAT(barely.str(), HasSubstr("relevancy 0.8000, less than 0.8003"));
   QueryAnswer with_plane = answer;
   const auto advice = [&with_plane](double score) {
     with_plane.plane = ScoredInstance{9, score, 0.4, {}};

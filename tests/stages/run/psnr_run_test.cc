@@ -198,6 +198,8 @@ TEST(PsnrRun, WhatIsBarelyMissedDoesNotLookReached) {
   EXPECT_GE(scene.warnings(), 1);
   EXPECT_NE(scene.log().find("have only 26.96 dB"), std::string::npos)
       << scene.log();
+  EXPECT_NE(scene.log().find("gave 26.96 dB"), std::string::npos);
+  EXPECT_EQ(scene.log().find("gave 27.0 dB"), std::string::npos) << scene.log();
 }
 
 // Fox, as docs/speed_accuracy.md has it under "At least so accurate".
