@@ -93,9 +93,9 @@ void TellOfTurned(const std::vector<std::string>& photos,
                   const std::string& source,
                   std::vector<std::string>* warnings) {
   if (photos.empty()) return;
-  warnings->push_back(source + ": made for photos as they are stored, so " +
-                      "their poses were turned as EXIF turns the photos: " +
-                      SomeNames(photos));
+  warnings->push_back(
+      source + ": made for photos as they are stored, so " +
+      "their poses were turned as EXIF turns the photos: " + SomeNames(photos));
 }
 
 // Makes camera and features fit a photo of another size.

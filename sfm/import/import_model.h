@@ -80,11 +80,11 @@ struct ImportOptions {
 //   FREEGS_ASSIGN_OR_RETURN(const ImportedModel imported,
 //                           ImportModel(source, photos, ImportOptions()));
 //
-// MatchNames decides which image of the source is which photo. A pose of a photo
-// that EXIF turns may belong to the stored photo or to the upright one; if its
-// size is that of the stored one, it is turned, too. Returns
-// kBadInput when the source is malformed, when no name fits a photo, and when a
-// photo has another shape than its image in the source.
+// MatchNames decides which image of the source is which photo. A pose of a
+// photo that EXIF turns may belong to the stored photo or to the upright one;
+// if its size is that of the stored one, it is turned, too. Returns kBadInput
+// when the source is malformed, when no name fits a photo, and when a photo has
+// another shape than its image in the source.
 StatusOr<ImportedModel> ImportModel(const ImportSource& source,
                                     const std::vector<SfmPhoto>& photos,
                                     const ImportOptions& options);

@@ -92,6 +92,7 @@ StatusOr<std::optional<double>> CompareViews(const HoldoutTask& task,
         RenderPhoto(task, i, pool, &rasterizer, &rendered, &photo));
     HoldoutView result;
     result.name = task.images->view(i, task.level).name;
+    result.tile_pairs = static_cast<int64_t>(rasterizer.bins().num_pairs());
     if (!task.exposures.empty()) {
       ApplyColor(ExposureBetween(task.exposures, result.name),
                  rendered.color,
@@ -133,6 +134,7 @@ StatusOr<HoldoutReport> MeasureHoldout(const HoldoutTask& task,
             if (mask != nullptr) CopyIgnored(*mask, quantised, photo);
             FREEGS_ASSIGN_OR_RETURN(view.ssim, Ssim(quantised, *photo, mask));
             report.mean_ssim += view.ssim;
+            report.tile_pairs += view.tile_pairs;
             report.views.push_back(std::move(view));
             return Status();
           }));

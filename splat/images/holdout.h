@@ -27,12 +27,17 @@ struct HoldoutView {
 
   // How far the photo lies beside the rendering, in pixels: displacement.h.
   double displacement_px = 0;
+
+  // Pairs of a splat and a tile that the rendering took: its work, as far as
+  // that does not depend on the machine.
+  int64_t tile_pairs = 0;
   ImageU8 rendered;
 };
 
 struct HoldoutReport {
   double mean_psnr = 0;  // The mean of the views' PSNR.
   double mean_ssim = 0;
+  int64_t tile_pairs = 0;  // Of all views.
   std::vector<HoldoutView> views;
 };
 

@@ -59,6 +59,7 @@ std::map<std::string, Tolerance> DefaultTolerances() {
           {"pose_rotation_deg", {0.03, 0}},
           {"num_gaussians", {0, 0.12}},
           {"scene_bytes", {0, 0.12}},
+          {"reconstruct.holdout_tile_pairs", {0, 0.12}},
           {"holdout_ssim", {0.02, 0}},
           {"psnr", {0.7, 0}},
           {"instance_miou", {0.06, 0}},

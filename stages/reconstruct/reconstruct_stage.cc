@@ -215,6 +215,7 @@ class ReconstructStage : public pipeline::Stage {
     }
     metrics["holdout_psnr"] = quality.mean_psnr;
     metrics["holdout_ssim"] = quality.mean_ssim;
+    metrics["holdout_tile_pairs"] = quality.tile_pairs;
     std::vector<DisplacedView> displaced;
     for (const splat::HoldoutView& view : quality.views) {
       metrics["holdout_views"].push_back(
@@ -295,6 +296,7 @@ class ReconstructStage : public pipeline::Stage {
                               {"holdout_ssim", nullptr},
                               {"holdout_psnr_fitted", nullptr},
                               {"trained_psnr", nullptr},
+                              {"holdout_tile_pairs", nullptr},
                               {"num_gaussians", model.size()},
                               {"sh_degree", model.sh_degree},
                               {"iterations", trained.iterations}};

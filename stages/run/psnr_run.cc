@@ -154,11 +154,10 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
       }
     }
     const double expected = reached + scale * GainBetween(rung, next);
-    const std::string outlook = goal + IterationsText(kRungs[rung]) + " gave " +
-                                as_text(reached) + ", " +
-                                FormatCount(kRungs[next].iterations) +
-                                " are expected to give " +
-                                FormatFixed(expected, 1);
+    const std::string outlook =
+        goal + IterationsText(kRungs[rung]) + " gave " + as_text(reached) +
+        ", " + FormatCount(kRungs[next].iterations) + " are expected to give " +
+        FormatFixed(expected, 1);
     if (expected < psnr - margin) {
       tasks.log(LogLevel::kWarning, outlook + ", which is not worth trying");
       break;
@@ -167,9 +166,8 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
     FREEGS_ASSIGN_OR_RETURN(const double better,
                             tasks.train(SettingsOf(kRungs[next])));
     tasks.log(LogLevel::kInfo,
-              goal + IterationsText(kRungs[next]) + " gave " +
-                  as_text(better) + ", " + FormatFixed(expected, 1) +
-                  " were expected");
+              goal + IterationsText(kRungs[next]) + " gave " + as_text(better) +
+                  ", " + FormatFixed(expected, 1) + " were expected");
     scale = std::clamp((better - reached) / GainBetween(rung, next), 0.0, 2.0);
     margin = kMargin;
     reached = better;
@@ -179,8 +177,7 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
   const bool missed = reached < psnr;
   tasks.log(missed ? LogLevel::kWarning : LogLevel::kInfo,
             goal + "holdout photos have " + (missed ? "only " : "") +
-                as_text(reached) + " after " +
-                IterationsText(kRungs[rung]));
+                as_text(reached) + " after " + IterationsText(kRungs[rung]));
   return Status();
 }
 

@@ -246,7 +246,8 @@ Status CheckTrains(const std::string& goal,
   }
   if (import.empty()) return Status();
   return InvalidArgumentError(
-      goal + " trains a scene, and reconstruct.import takes one that was "
+      goal +
+      " trains a scene, and reconstruct.import takes one that was "
       "trained elsewhere; leave out one of them");
 }
 

@@ -191,8 +191,7 @@ TEST(ImportModel, PosesOfStoredPhotosAreTurned) {
     const auto cameras = IndexCameras(colmap->model);
     // Every feature still lies where its point falls, in half of the size.
     for (const PosedImage& image : colmap->model.images) {
-      const Camera& camera =
-          colmap->model.cameras[cameras.at(image.camera_id)];
+      const Camera& camera = colmap->model.cameras[cameras.at(image.camera_id)];
       for (const Point2D& feature : image.points2d) {
         if (feature.point3d_id == kNoPoint3D) continue;
         const Eigen::Vector3d& xyz =

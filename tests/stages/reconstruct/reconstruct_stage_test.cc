@@ -72,6 +72,7 @@ TEST_F(ReconstructStageTest, WritesTheContract) {
   // Few steps are left after the last of four restarts.
   EXPECT_GT(metrics["holdout_psnr"].get<double>(), 15);
   EXPECT_GT(metrics["holdout_ssim"].get<double>(), 0.4);
+  EXPECT_GT(metrics["holdout_tile_pairs"].get<int>(), 0);
   EXPECT_GT(metrics["trained_psnr"].get<double>(), 15);
   EXPECT_EQ(metrics["iterations"], 200);
   EXPECT_GT(metrics["peak_memory_bytes"].get<int64_t>(), 0);
