@@ -32,6 +32,7 @@
 #include "stages/film/film_writer.h"
 #include "stages/film/rendered_frames.h"
 #include "stages/scene/depth_image.h"
+#include "stages/scene/rendered_cameras.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/scene/view_selection.h"
 #include "stages/scene/working_frame.h"
@@ -48,7 +49,12 @@ class Renderer {
   Renderer(const WorkspaceScene& scene, fs::path out, ThreadPool* pool)
       : scene_(scene), out_(std::move(out)), pool_(*pool) {}
   virtual ~Renderer() = default;
+  // Before the pictures of these names are rendered.
+  virtual Status Begin(const std::vector<std::string>& /*names*/) {
+    return Status();
+  }
   virtual Status Render(const View& view, const std::string& name) = 0;
+  virtual Status End() { return Status(); }
 
  protected:
   // The path of a picture. Creates its folder.
@@ -80,27 +86,55 @@ class ColorRenderer : public Renderer {
 
 class DepthRenderer : public Renderer {
  public:
+  // world_unit: the length of the scene's unit, in that of the pictures.
   DepthRenderer(const WorkspaceScene& scene,
                 fs::path out,
                 ThreadPool* pool,
-                const std::vector<View>& views)
+                const std::vector<View>& views,
+                double world_unit)
       : Renderer(scene, std::move(out), pool),
+        world_unit_(world_unit),
         range_(InWorldUnits(VisibleDepthRange(scene.model, views))),
         unit_(DepthUnit(range_.far)) {}
 
-  Status WriteScale() const {
+  // kInvalidArgument when the folder has pictures with another unit that stay.
+  // They could not be read with the new depth.json.
+  Status Begin(const std::vector<std::string>& names) override {
+    const fs::path file = out_ / kScaleFile;
+    std::error_code error;
+    if (!fs::exists(file, error)) return Status();
+    const StatusOr<nlohmann::json> scale = ReadJsonFile(file);
+    const bool same = scale.ok() && scale->is_object() &&
+                      scale->contains("unit") && (*scale)["unit"] == unit_;
+    for (fs::recursive_directory_iterator it(out_, error), end;
+         !same && !error && it != end;
+         it.increment(error)) {
+      const std::string name = it->path().lexically_relative(out_).string();
+      if (it->path().extension() == ".png" && !name.starts_with("preview/") &&
+          std::ranges::find(names, name) == names.end()) {
+        return InvalidArgumentError(
+            out_.string() + ": has depth pictures with another unit, such as " +
+            name + "; take another folder");
+      }
+    }
+    // An interrupted call leaves no unit rather than a wrong one.
+    fs::remove(file, error);
+    return Status();
+  }
+
+  Status End() override {
     const nlohmann::json scale = {{"unit", unit_},
                                   {"nothing", 0},
                                   {"beyond", 65535},
                                   {"near", range_.near},
                                   {"far", range_.far}};
-    return WriteFileAtomic(out_ / "depth.json", JsonText(scale));
+    return WriteFileAtomic(out_ / kScaleFile, JsonText(scale));
   }
 
   Status Render(const View& view, const std::string& name) override {
     ImageF depth = RenderView(view).depth;
     for (size_t k = 0; k < depth.size(); ++k) {
-      depth.data()[k] *= static_cast<float>(scene_.frame.unit);
+      depth.data()[k] *= static_cast<float>(world_unit_);
     }
     FREEGS_ASSIGN_OR_RETURN(const fs::path path, File(name));
     FREEGS_RETURN_IF_ERROR(WriteLabels(path, EncodeDepth(depth, unit_)));
@@ -110,10 +144,13 @@ class DepthRenderer : public Renderer {
   }
 
  private:
+  static constexpr char kScaleFile[] = "depth.json";
+
   DepthRange InWorldUnits(const DepthRange& range) const {
-    return {range.near * scene_.frame.unit, range.far * scene_.frame.unit};
+    return {range.near * world_unit_, range.far * world_unit_};
   }
 
+  const double world_unit_;
   const DepthRange range_;
   const double unit_;
 };
@@ -235,33 +272,33 @@ StatusOr<SceneToRender> ReadSceneToRender(const RenderRequest& request,
   return shown;
 }
 
-StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
-                                                 const SceneToRender& shown,
-                                                 const std::vector<View>& views,
-                                                 ThreadPool* pool) {
+std::unique_ptr<Renderer> MakeRenderer(const RenderRequest& request,
+                                       const SceneToRender& shown,
+                                       const SelectedViews& selected,
+                                       ThreadPool* pool) {
   const WorkspaceScene& scene = shown.scene;
   if (request.what == "depth") {
-    auto renderer =
-        std::make_unique<DepthRenderer>(scene, request.out, pool, views);
-    FREEGS_RETURN_IF_ERROR(renderer->WriteScale());
-    return std::unique_ptr<Renderer>(std::move(renderer));
+    return std::make_unique<DepthRenderer>(scene,
+                                           request.out,
+                                           pool,
+                                           selected.views,
+                                           selected.world_from_scene.scale);
   }
   if (request.what == "instances") {
-    return std::unique_ptr<Renderer>(std::make_unique<InstanceRenderer>(
-        scene, request.out, pool, shown.labels));
+    return std::make_unique<InstanceRenderer>(
+        scene, request.out, pool, shown.labels);
   }
   if (request.what == "semantics") {
-    return std::unique_ptr<Renderer>(std::make_unique<SemanticRenderer>(
-        scene, request.out, pool, shown.semantic_colors));
+    return std::make_unique<SemanticRenderer>(
+        scene, request.out, pool, shown.semantic_colors);
   }
-  return std::unique_ptr<Renderer>(
-      std::make_unique<ColorRenderer>(scene, request.out, pool));
+  return std::make_unique<ColorRenderer>(scene, request.out, pool);
 }
 
 // The poses that a way of the camera goes through, in the scene's frame.
-StatusOr<std::vector<View>> KeyViews(const RenderRequest& request,
-                                     const WorkspaceScene& scene,
-                                     CommandContext& context) {
+StatusOr<SelectedViews> KeyViews(const RenderRequest& request,
+                                 const WorkspaceScene& scene,
+                                 CommandContext& context) {
   const bool file = !request.path.empty() && request.path != "orbit" &&
                     request.path != "photos";
   return ViewsToRender(
@@ -278,23 +315,26 @@ StatusOr<std::vector<View>> KeyViews(const RenderRequest& request,
 
 // The views to render. The camera circles an object when all that is not the
 // object has been taken out of the scene.
-StatusOr<std::vector<View>> ViewsOf(const RenderRequest& request,
-                                    const WorkspaceScene& scene,
-                                    CommandContext& context) {
-  FREEGS_ASSIGN_OR_RETURN(std::vector<View> keys,
+StatusOr<SelectedViews> ViewsOf(const RenderRequest& request,
+                                const WorkspaceScene& scene,
+                                CommandContext& context) {
+  FREEGS_ASSIGN_OR_RETURN(SelectedViews selected,
                           KeyViews(request, scene, context));
-  if (request.path.empty()) return keys;
+  if (request.path.empty()) return selected;
+  const std::vector<View> keys = std::move(selected.views);
   if (keys.empty()) {
     return BadInputError("render: there is no pose for --path " + request.path);
   }
   const int num_frames = request.num_frames();
   if (request.path == "orbit") {
-    return request.choice.only.empty()
-               ? OrbitOfScene(keys, num_frames)
-               : OrbitOfObject(scene.model, keys, num_frames);
+    selected.views = request.choice.only.empty()
+                         ? OrbitOfScene(keys, num_frames)
+                         : OrbitOfObject(scene.model, keys, num_frames);
+  } else {
+    selected.views = request.path == "photos" ? PathOfPhotos(keys, num_frames)
+                                              : PathThrough(keys, num_frames);
   }
-  return request.path == "photos" ? PathOfPhotos(keys, num_frames)
-                                  : PathThrough(keys, num_frames);
+  return selected;
 }
 
 // Calls `work` for each view, and reports progress.
@@ -351,9 +391,10 @@ Status CheckPicturePlaces(const RenderRequest& request,
 
 Status WritePictures(const RenderRequest& request,
                      const SceneToRender& shown,
-                     const std::vector<View>& views,
+                     const SelectedViews& selected,
                      ThreadPool& pool,
                      CommandContext& context) {
+  const std::vector<View>& views = selected.views;
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(views, ".png"));
   FREEGS_RETURN_IF_ERROR(CheckPicturePlaces(request, names));
@@ -361,12 +402,17 @@ Status WritePictures(const RenderRequest& request,
     FREEGS_RETURN_IF_ERROR(
         ForgetReplacedFrames(request.out, names, HasPreviews(request)));
   }
-  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
-                          MakeRenderer(request, shown, views, &pool));
+  const std::unique_ptr<Renderer> renderer =
+      MakeRenderer(request, shown, selected, &pool);
+  FREEGS_RETURN_IF_ERROR(renderer->Begin(names));
   FREEGS_RETURN_IF_ERROR(
       ForEachView(views, request.what, context, [&](size_t i) {
         return renderer->Render(views[i], names[i]);
       }));
+  FREEGS_RETURN_IF_ERROR(renderer->End());
+  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
+      fs::path(request.out) / "rendered_cameras.json",
+      JsonText(RenderedCameras(views, names, selected.world_from_scene))));
   context.out << views.size() << " pictures in " << request.out << "\n";
   if (request.path.empty()) return Status();
   FREEGS_ASSIGN_OR_RETURN(
@@ -425,15 +471,23 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const SceneToRender shown,
                           ReadSceneToRender(request, pool));
   const WorkspaceScene& scene = shown.scene;
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<View> views,
+  FREEGS_ASSIGN_OR_RETURN(const SelectedViews selected,
                           ViewsOf(request, scene, context));
+  const std::vector<View>& views = selected.views;
   if (!request.out.empty()) {
     FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
   }
-  FREEGS_RETURN_IF_ERROR(
-      CheckVisible(scene.model, views, scene.render, pool).Annotated("render"));
+  const Status visible =
+      CheckVisible(scene.model, views, scene.render, pool).Annotated("render");
+  // Some of the objects may well be out of sight.
+  if (!visible.ok() && !request.choice.everything()) {
+    context.err << visible.message() << "\n";
+  } else {
+    FREEGS_RETURN_IF_ERROR(visible);
+  }
   if (!request.out.empty()) {
-    FREEGS_RETURN_IF_ERROR(WritePictures(request, shown, views, pool, context));
+    FREEGS_RETURN_IF_ERROR(
+        WritePictures(request, shown, selected, pool, context));
   }
   if (request.video.empty()) return Status();
   return WriteFilm(request, shown, views, pool, context);

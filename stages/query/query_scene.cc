@@ -88,15 +88,17 @@ Status LoadViews(const QueryRequest& request,
                                 .max_side = request.size,
                                 .photo_max_side = request.size,
                                 .command = "query"};
-  FREEGS_ASSIGN_OR_RETURN(std::vector<View> views,
+  FREEGS_ASSIGN_OR_RETURN(SelectedViews selected,
                           ViewsToRender(read, selection, messages));
+  std::vector<View> views = std::move(selected.views);
   std::vector<View> photos = PhotoViews(read);
   std::vector<View> file_views;
   if ((request.click || request.box) && !request.cameras.empty()) {
     // Pixels are those of the cameras, whatever the size of the masks. For a
     // click only one is rendered, for a box all of them.
     std::ostringstream ignored;  // The first call has printed the messages.
-    FREEGS_ASSIGN_OR_RETURN(file_views, FileViews(read, selection, ignored));
+    FREEGS_ASSIGN_OR_RETURN(selected, FileViews(read, selection, ignored));
+    file_views = std::move(selected.views);
     for (const View& view : file_views) {
       if (!request.box) break;
       FREEGS_RETURN_IF_ERROR(

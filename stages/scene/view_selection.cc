@@ -93,7 +93,7 @@ Status CheckViewSize(const View& view, const std::string& advice) {
       std::to_string(view.camera.height) + " pixels; " + advice);
 }
 
-StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
+StatusOr<SelectedViews> FileViews(const WorkspaceScene& scene,
                                       const ViewSelection& selection,
                                       std::ostream& messages) {
   FREEGS_ASSIGN_OR_RETURN(const CameraSet cameras,
@@ -102,7 +102,10 @@ StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
   if (selection.only_test && !cameras.test.empty()) views.clear();
   views.insert(views.end(), cameras.test.begin(), cameras.test.end());
   FREEGS_RETURN_IF_ERROR(CheckNames(views).Annotated(selection.cameras));
-  if (!selection.align) return MapViews(views, scene.frame.WorldFromFrame());
+  if (!selection.align) {
+    const Sim3d world_from_scene = scene.frame.WorldFromFrame();
+    return SelectedViews{MapViews(views, world_from_scene), world_from_scene};
+  }
 
   const StatusOr<sfm::PoseAlignment> alignment =
       AlignWithViews(scene, cameras.train, selection.cameras);
@@ -117,26 +120,27 @@ StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
            << alignment->residuals.size()
            << " photos, rotation residual median "
            << FormatFixed(alignment->median_rotation_deg, 3) << " deg\n";
-  return MapViews(views, alignment->target_from_source);
+  return SelectedViews{MapViews(views, alignment->target_from_source),
+                       alignment->target_from_source};
 }
 
-StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
-                                          const ViewSelection& selection,
-                                          std::ostream& messages) {
-  std::vector<View> views;
+StatusOr<SelectedViews> ViewsToRender(const WorkspaceScene& scene,
+                                      const ViewSelection& selection,
+                                      std::ostream& messages) {
+  SelectedViews selected;
   int max_side = selection.max_side;
   if (!selection.cameras.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(views, FileViews(scene, selection, messages));
+    FREEGS_ASSIGN_OR_RETURN(selected, FileViews(scene, selection, messages));
   } else {
-    views = PhotoViews(scene);
+    selected = {PhotoViews(scene), scene.frame.WorldFromFrame()};
     max_side = selection.photo_max_side;
   }
-  for (View& view : views) {
+  for (View& view : selected.views) {
     view.camera = view.camera.LimitedTo(max_side);
     FREEGS_RETURN_IF_ERROR(CheckViewSize(view, "limit it with --size")
                                .Annotated(selection.command));
   }
-  return views;
+  return selected;
 }
 
 bool HasViewName(const View& view, const std::string& name) {

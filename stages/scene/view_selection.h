@@ -48,19 +48,26 @@ struct ViewSelection {
 // take gigabytes. The message ends with `advice`.
 Status CheckViewSize(const View& view, const std::string& advice);
 
-// The views of the file selection.cameras at their own size, however large, in
-// the frame of the scene. `messages` and the errors are those of ViewsToRender;
+struct SelectedViews {
+  std::vector<View> views;  // In the frame of the scene.
+
+  // From there to the world in which the poses are given: that of the camera
+  // file, or that of the workspace.
+  Sim3d world_from_scene;
+};
+
+// The views of the file selection.cameras at their own size, however large. `messages` and the errors are those of ViewsToRender;
 // kBadInput, too, when a view of "train" and one of "test" that are both taken
 // have the same name.
-StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
+StatusOr<SelectedViews> FileViews(const WorkspaceScene& scene,
                                       const ViewSelection& selection,
                                       std::ostream& messages);
 
-// Returns the selected views in the frame of the scene. `messages` receives a
+// Returns the selected views. `messages` receives a
 // line that says how well the poses of an aligned file agree with the scene's.
 // kBadInput names the file and the fault; it is also the error for a view that
 // is too large (CheckViewSize).
-StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
+StatusOr<SelectedViews> ViewsToRender(const WorkspaceScene& scene,
                                           const ViewSelection& selection,
                                           std::ostream& messages);
 

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "sfm/import/transforms_json.h"
 #include "stages/scene/scene_instances.h"
 #include "tests/stages/commands/render_fixture.h"
 #include "tests/stages/moved_world.h"
@@ -179,6 +180,79 @@ TEST_F(RenderCommandTest, CameraFileOfAnotherWorldIsAligned) {
   for (size_t k = 0; k < expected.size(); ++k) {
     ASSERT_NEAR(picture->data()[k], expected.data()[k], 1);
   }
+}
+
+// Depth and rendered_cameras.json are in the world of the camera file.
+TEST_F(RenderCommandTest, OutputsOfAnAlignedCameraFileAreInItsWorld) {
+  const Sim3d moved{.scale = 7, .translation = {3, 0, -1}};
+  WriteText(out_ / "cameras.json", Cameras("", moved).dump());
+  const std::vector<std::string> depth = {
+      workspace(), "--what", "depth", "--size", "64", "--out", out()};
+  ASSERT_TRUE(Render(depth).ok());
+  const auto json_of = [&](const std::string& name) {
+    return nlohmann::json::parse(ReadText(out() + "/" + name));
+  };
+  const double far = json_of("depth.json")["far"].get<double>();
+  const auto frames = json_of("rendered_cameras.json")["frames"];
+  std::vector<std::string> words = depth;
+  words.insert(words.end(),
+               {"--cameras", (out_ / "cameras.json").string()});
+  ASSERT_TRUE(Render(words).ok()) << output_.str();
+  EXPECT_NEAR(json_of("depth.json")["far"].get<double>(), 7 * far, 0.01 * far);
+  const auto moved_frames = json_of("rendered_cameras.json")["frames"];
+  ASSERT_EQ(moved_frames.size(), frames.size() + 1);  // And new.png.
+  const auto centre = [](const nlohmann::json& frame) {
+    const nlohmann::json& m = frame["transform_matrix"];
+    return Eigen::Vector3d(m[0][3].get<double>(),
+                           m[1][3].get<double>(),
+                           m[2][3].get<double>());
+  };
+  for (size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(moved_frames[i]["file_path"], frames[i]["file_path"]);
+    EXPECT_LT((centre(moved_frames[i]) - moved * centre(frames[i])).norm(),
+              1e-4);
+  }
+  // The program reads the file, with the intrinsics of the pictures.
+  const auto file =
+      sfm::ParseTransforms(ReadText(out() + "/rendered_cameras.json"));
+  ASSERT_TRUE(file.ok()) << file.status().message();
+  EXPECT_EQ(file->frames[0].intrinsics.width, 64);
+}
+
+TEST_F(RenderCommandTest, DepthWithAnotherUnitNeedsAnotherFolder) {
+  ASSERT_TRUE(Render({workspace(), "--what", "depth", "--out", out()}).ok());
+  WriteText(out_ / "cameras.json", Cameras("", {.scale = 1e4}).dump());
+  const std::string before = ReadText(out() + "/depth.json");
+  const std::vector<std::string> all = {workspace(),
+                                        "--what",
+                                        "depth",
+                                        "--out",
+                                        out(),
+                                        "--cameras",
+                                        (out_ / "cameras.json").string()};
+  // All pictures of the first call are replaced.
+  EXPECT_TRUE(Render(all).ok()) << output_.str();
+  EXPECT_NE(ReadText(out() + "/depth.json"), before);
+  // Here the one that only the file has would stay.
+  const Status status =
+      Render({workspace(), "--what", "depth", "--out", out()});
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("another unit, such as new.png"));
+}
+
+TEST_F(RenderCommandTest, ObjectsMayBeOutOfSight) {
+  workspace_.AddInstances();
+  nlohmann::json cameras = MovedCameras("other_");
+  WriteText(out_ / "cameras.json", cameras.dump());
+  EXPECT_TRUE(Render({workspace(),
+                      "--out",
+                      out(),
+                      "--cameras",
+                      (out_ / "cameras.json").string(),
+                      "--no-align",
+                      "--only",
+                      "1"})
+                  .ok());
 }
 
 TEST_F(RenderCommandTest, CameraFileOfOtherPhotosNeedsNoAlign) {
