@@ -103,7 +103,7 @@ class DepthRenderer : public Renderer {
     const fs::path file = out_ / kScaleFile;
     std::error_code error;
     if (!fs::exists(file, error)) return Status();
-    const StatusOr<nlohmann::json> scale = ReadJsonFile(file);
+    const StatusOr<nlohmann::json> scale = ReadJson(file);
     const bool same = scale.ok() && scale->is_object() &&
                       scale->contains("unit") && (*scale)["unit"] == unit_;
     for (fs::recursive_directory_iterator it(out_, error), end;
