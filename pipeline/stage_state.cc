@@ -303,12 +303,18 @@ std::string InspectResult(const fs::path& workspace,
   CurrentInputs expected = now;
   const std::vector<std::string> gone =
       KeepGoneInputs(result->fingerprint, GoneRule::kWasReadThere, &expected);
-  if (!gone.empty()) {
-    state->note = StateText(gone, "gone") + "; keeping the result made from " +
-                  (gone.size() == 1 ? "it" : "them");
-  }
   std::string difference =
       Difference(result->fingerprint, expected.fingerprint);
+  if (!gone.empty()) {
+    const std::string them = gone.size() == 1 ? "it" : "them";
+    state->note =
+        StateText(gone, "gone") +
+        (difference.empty()
+             ? "; keeping the result made from " + them
+             : ", and the stage cannot be made again without " + them +
+                   "; --from with a later stage builds on the "
+                   "result that there is");
+  }
   if (difference.empty()) {
     difference =
         CheckOutput(workspace, stage, *result, read_later, &state->note);
@@ -355,6 +361,13 @@ StageState InspectStage(const fs::path& workspace,
   }
 
   if (state.resumable) return state;
+  if (!result_difference.empty() && !unfinished.difference.empty() &&
+      !unfinished.failed) {
+    state.note +=
+        (state.note.empty() ? "" : "; ") +
+        ("what an interrupted run of it saved does not fit any more (" +
+         unfinished.difference + ") and goes when the stage runs again");
+  }
   if (finished && result_difference.empty()) {
     state.status = StageStatus::kDone;
   } else if (unfinished.failed) {

@@ -24,6 +24,35 @@ std::string FrameName(int number) {
   return name;
 }
 
+// Frames that are farther apart, in widths of the picture, may not overlap
+// enough for their poses to be found.
+constexpr double kWideGap = 0.3;
+
+// What is worth a warning about the frames that were chosen; often empty.
+std::string DoubtsAboutFrames(const std::vector<photos::VideoFrame>& chosen,
+                              const photos::VideoFrameOptions& options) {
+  size_t widest = 1;
+  const auto gap = [&chosen](size_t i) {
+    return chosen[i].path - chosen[i - 1].path;
+  };
+  for (size_t i = 2; i < chosen.size(); ++i) {
+    if (gap(i) > gap(widest)) widest = i;
+  }
+  if (gap(widest) <= kWideGap) return "";
+  std::string text =
+      "between " + FormatFixed(chosen[widest - 1].time_s, 1) + " s and " +
+      FormatFixed(chosen[widest].time_s, 1) + " s the picture moves by " +
+      FormatFixed(gap(widest), 2) +
+      " of its width without a frame that is taken, which may be too much; ";
+  const double path = chosen.back().path - chosen.front().path;
+  if (path > options.motion * options.max_frames) {
+    return text +
+           "the film is long: take more frames with "
+           "--ingest.video_frames";
+  }
+  return text + "frames there are blurred: move the camera more slowly";
+}
+
 StatusOr<std::vector<photos::Photo>> TakeFrames(
     const StageContext& context,
     const fs::path& path,
@@ -50,6 +79,10 @@ StatusOr<std::vector<photos::Photo>> TakeFrames(
                 film + ": only " + std::to_string(survey.frames.size()) +
                     " of " + std::to_string(survey.claimed_frames) +
                     " frames can be decoded; is the film complete?");
+  }
+  const std::string doubts = DoubtsAboutFrames(chosen, options);
+  if (!doubts.empty()) {
+    context.log(LogLevel::kWarning, film + ": " + doubts);
   }
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder / film));
   std::vector<photos::Photo> photos;

@@ -18,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using photos::Photo;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -50,6 +51,15 @@ TEST_F(IngestFilmsTest, FilmInsteadOfAFolder) {
       *ReadFile(workspace_.path() / "ingest.partial/images.json");
   ASSERT_TRUE(Run(1).ok());
   EXPECT_EQ(*ReadFile(workspace_.path() / "ingest.partial/images.json"), first);
+}
+
+TEST_F(IngestFilmsTest, TooFewFramesForTheWayOfAFilmAreTold) {
+  photos::WriteFilm(images_.path() / "a.avi", photos::MovingFrames(50));
+  options_.film.max_frames = 4;
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(warnings_,
+              ElementsAre(AllOf(HasSubstr("a.avi: between "),
+                                HasSubstr("--ingest.video_frames"))));
 }
 
 TEST_F(IngestFilmsTest, FolderOfFilms) {
