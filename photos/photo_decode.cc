@@ -237,6 +237,7 @@ Status PhotoInspector::Decode(std::string_view bytes, InspectedPhoto* result) {
   photo.digital_zoom = exif.digital_zoom;
   photo.focal_length_px =
       FocalLengthPixels(exif, pixels.width(), pixels.height());
+  result->may_be_transparent = header.has_alpha;
   photo.converted = !IsPlainPhoto(header);
   if (photo.converted) result->pixels = std::move(pixels);
   return Status();

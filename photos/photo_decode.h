@@ -67,6 +67,8 @@ struct InspectedPhoto {
   // The pixels, when the file must be re-encoded because other programs might
   // read it differently (see IsPlainPhoto). Empty otherwise.
   ImageU8 pixels;
+
+  bool may_be_transparent = false;  // Whether the file has alpha.
 };
 
 // Reads photo files:

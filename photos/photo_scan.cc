@@ -30,7 +30,6 @@ constexpr std::string_view kImageExtensions[] = {
     "tif",
     "tiff",
     "mpo",
-    "insp",
     // Formats that are worth a word when we meet them.
     "heic",
     "heif",
@@ -48,7 +47,6 @@ constexpr std::string_view kImageExtensions[] = {
     "pgm",
     "psd",
     "dng",
-    "raw",
     "crw",
     "cr2",
     "cr3",

@@ -305,6 +305,14 @@ std::string InspectResult(const fs::path& workspace,
       KeepGoneInputs(result->fingerprint, GoneRule::kWasReadThere, &expected);
   std::string difference =
       Difference(result->fingerprint, expected.fingerprint);
+  std::string output_note;
+  if (difference.empty()) {
+    difference =
+        CheckOutput(workspace, stage, *result, read_later, &output_note);
+    state->lacks_files = !difference.empty();
+    state->inputs_moved = HasMoved(result->fingerprint, expected.fingerprint);
+    result->fingerprint = std::move(expected.fingerprint);
+  }
   if (!gone.empty()) {
     const std::string them = gone.size() == 1 ? "it" : "them";
     state->note =
@@ -315,12 +323,8 @@ std::string InspectResult(const fs::path& workspace,
                    "; --from with a later stage builds on the "
                    "result that there is");
   }
-  if (difference.empty()) {
-    difference =
-        CheckOutput(workspace, stage, *result, read_later, &state->note);
-    state->lacks_files = !difference.empty();
-    state->inputs_moved = HasMoved(result->fingerprint, expected.fingerprint);
-    result->fingerprint = std::move(expected.fingerprint);
+  if (!output_note.empty()) {
+    state->note += (state->note.empty() ? "" : "; ") + output_note;
   }
   state->result = *std::move(result);
   return difference;
@@ -362,7 +366,7 @@ StageState InspectStage(const fs::path& workspace,
 
   if (state.resumable) return state;
   if (!result_difference.empty() && !unfinished.difference.empty() &&
-      !unfinished.failed) {
+      !unfinished.failed && state.waits_for.empty()) {
     state.note +=
         (state.note.empty() ? "" : "; ") +
         ("what an interrupted run of it saved does not fit any more (" +

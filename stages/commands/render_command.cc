@@ -54,7 +54,6 @@ class Renderer {
     return Status();
   }
   virtual Status Render(const View& view, const std::string& name) = 0;
-  virtual Status End() { return Status(); }
 
  protected:
   // The path of a picture. Creates its folder.
@@ -97,38 +96,40 @@ class DepthRenderer : public Renderer {
         range_(InWorldUnits(VisibleDepthRange(scene.model, views))),
         unit_(DepthUnit(range_.far)) {}
 
-  // kInvalidArgument when the folder has pictures with another unit that stay.
-  // They could not be read with the new depth.json.
+  // depth.json lists the pictures that have its unit. Where that changes, those
+  // that this call makes anew are removed first, so that none has a wrong unit
+  // if it is interrupted. kInvalidArgument if others would stay.
   Status Begin(const std::vector<std::string>& names) override {
-    const fs::path file = out_ / kScaleFile;
+    const fs::path file = out_ / "depth.json";
+    std::set<std::string> pictures(names.begin(), names.end());
     std::error_code error;
-    if (!fs::exists(file, error)) return Status();
-    const StatusOr<nlohmann::json> scale = ReadJson(file);
-    const bool same = scale.ok() && scale->is_object() &&
-                      scale->contains("unit") && (*scale)["unit"] == unit_;
-    for (fs::recursive_directory_iterator it(out_, error), end;
-         !same && !error && it != end;
-         it.increment(error)) {
-      const std::string name = it->path().lexically_relative(out_).string();
-      if (it->path().extension() == ".png" && !name.starts_with("preview/") &&
-          std::ranges::find(names, name) == names.end()) {
-        return InvalidArgumentError(
-            out_.string() + ": has depth pictures with another unit, such as " +
-            name + "; take another folder");
+    const StatusOr<nlohmann::json> before = ReadJson(file);
+    if (before.ok() && before->is_object() && before->contains("pictures") &&
+        (*before)["pictures"].is_array()) {
+      const bool same = before->value("unit", 0.0) == unit_;
+      for (const nlohmann::json& name : (*before)["pictures"]) {
+        if (!name.is_string()) continue;
+        const auto& picture = name.get_ref<const std::string&>();
+        if (!fs::exists(out_ / picture, error)) continue;
+        if (same) {
+          pictures.insert(picture);
+        } else if (!pictures.contains(picture)) {
+          return InvalidArgumentError(
+              out_.string() + ": has depth with another unit, such as " +
+              picture + "; take another folder");
+        }
+      }
+      for (const std::string& name : names) {
+        if (!same) fs::remove(out_ / name, error);
       }
     }
-    // An interrupted call leaves no unit rather than a wrong one.
-    fs::remove(file, error);
-    return Status();
-  }
-
-  Status End() override {
     const nlohmann::json scale = {{"unit", unit_},
                                   {"nothing", 0},
                                   {"beyond", 65535},
                                   {"near", range_.near},
-                                  {"far", range_.far}};
-    return WriteFileAtomic(out_ / kScaleFile, JsonText(scale));
+                                  {"far", range_.far},
+                                  {"pictures", pictures}};
+    return WriteFileAtomic(file, JsonText(scale));
   }
 
   Status Render(const View& view, const std::string& name) override {
@@ -144,8 +145,6 @@ class DepthRenderer : public Renderer {
   }
 
  private:
-  static constexpr char kScaleFile[] = "depth.json";
-
   DepthRange InWorldUnits(const DepthRange& range) const {
     return {range.near * world_unit_, range.far * world_unit_};
   }
@@ -398,20 +397,22 @@ Status WritePictures(const RenderRequest& request,
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(views, ".png"));
   FREEGS_RETURN_IF_ERROR(CheckPicturePlaces(request, names));
+  const std::unique_ptr<Renderer> renderer =
+      MakeRenderer(request, shown, selected, &pool);
+  FREEGS_RETURN_IF_ERROR(renderer->Begin(names));
   if (request.path.empty()) {
     FREEGS_RETURN_IF_ERROR(
         ForgetReplacedFrames(request.out, names, HasPreviews(request)));
   }
-  const std::unique_ptr<Renderer> renderer =
-      MakeRenderer(request, shown, selected, &pool);
-  FREEGS_RETURN_IF_ERROR(renderer->Begin(names));
+  const fs::path cameras = fs::path(request.out) / "rendered_cameras.json";
+  std::error_code error;
+  fs::remove(cameras, error);  // Those of other pictures.
   FREEGS_RETURN_IF_ERROR(
       ForEachView(views, request.what, context, [&](size_t i) {
         return renderer->Render(views[i], names[i]);
       }));
-  FREEGS_RETURN_IF_ERROR(renderer->End());
   FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
-      fs::path(request.out) / "rendered_cameras.json",
+      cameras,
       JsonText(RenderedCameras(views, names, selected.world_from_scene))));
   context.out << views.size() << " pictures in " << request.out << "\n";
   if (request.path.empty()) return Status();
@@ -479,9 +480,10 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
   }
   const Status visible =
       CheckVisible(scene.model, views, scene.render, pool).Annotated("render");
-  // Some of the objects may well be out of sight.
-  if (!visible.ok() && !request.choice.everything()) {
-    context.err << visible.message() << "\n";
+  const bool about_sight = visible.code() == StatusCode::kUnusableResult;
+  if (about_sight && !request.choice.everything()) {
+    context.err
+        << "render: none of the views shows anything of these objects\n";
   } else {
     FREEGS_RETURN_IF_ERROR(visible);
   }

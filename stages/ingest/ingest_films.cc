@@ -2,6 +2,7 @@
 
 #include "stages/ingest/ingest_films.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -44,11 +45,12 @@ std::string DoubtsAboutFrames(const std::vector<photos::VideoFrame>& chosen,
       FormatFixed(chosen[widest].time_s, 1) + " s the picture moves by " +
       FormatFixed(gap(widest), 2) +
       " of its width without a frame that is taken, which may be too much; ";
-  const double path = chosen.back().path - chosen.front().path;
-  if (path > options.motion * options.max_frames) {
-    return text +
-           "the film is long: take more frames with "
-           "--ingest.video_frames";
+  // Sharp frames of neighbouring stretches are at most two stretches apart.
+  const double of_many = chosen.back().path / options.max_frames;
+  if (2 * std::max(of_many, options.motion) > kWideGap) {
+    return text + (of_many > options.motion
+                       ? "the film is long: raise --ingest.video_frames"
+                       : "lower --ingest.video_motion");
   }
   return text + "frames there are blurred: move the camera more slowly";
 }

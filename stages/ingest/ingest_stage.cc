@@ -302,20 +302,32 @@ class IngestStage : public pipeline::Stage {
       list->photos.emplace_back().file = file;
     }
     photos::PhotoInspector inspector(options_.decode);
-    return ForEachPhoto(
+    std::atomic<int> transparent = 0;
+    FREEGS_RETURN_IF_ERROR(ForEachPhoto(
         context, "reading photos", list->photos.size(), [&](size_t i) {
           Photo& photo = list->photos[i];
           if (!photo.usable()) return Status();
           const Photo known = photo;
           photos::InspectedPhoto inspected =
               inspector.Inspect(SourceFolder(context, known), known.file);
+          if (inspected.may_be_transparent) ++transparent;
           photo = std::move(inspected.photo);
           photo.film = known.film;
           photo.frame = known.frame;
           photo.time_s = known.time_s;
           if (inspected.pixels.empty()) return Status();
           return WriteImage(PendingPath(context, i), inspected.pixels);
-        });
+        }));
+    if (transparent > 0) {
+      context.log(LogLevel::kInfo,
+                  std::to_string(transparent) +
+                      " photos have transparency; where they are transparent "
+                      "they are " +
+                      options_.decode.background +
+                      " now (ingest.background), as reconstruct.background "
+                      "should be");
+    }
+    return Status();
   }
 
   Status Select(const StageContext& context,

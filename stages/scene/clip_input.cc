@@ -68,6 +68,7 @@ StatusOr<UprightPhoto> DecodeUprightPhoto(std::string_view bytes,
   photos::PhotoDecodeOptions options;
   options.max_megapixels = max_megapixels;
   options.min_side = 1;
+  options.background = "white";
   FREEGS_ASSIGN_OR_RETURN(const photos::PhotoHeader header,
                           photos::ParsePhotoHeader(bytes));
   FREEGS_RETURN_IF_ERROR(photos::CheckHeader(header, options));

@@ -94,8 +94,8 @@ Status CheckViewSize(const View& view, const std::string& advice) {
 }
 
 StatusOr<SelectedViews> FileViews(const WorkspaceScene& scene,
-                                      const ViewSelection& selection,
-                                      std::ostream& messages) {
+                                  const ViewSelection& selection,
+                                  std::ostream& messages) {
   FREEGS_ASSIGN_OR_RETURN(const CameraSet cameras,
                           ReadCameraSet(selection.cameras));
   std::vector<View> views = cameras.train;

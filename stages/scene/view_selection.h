@@ -56,20 +56,19 @@ struct SelectedViews {
   Sim3d world_from_scene;
 };
 
-// The views of the file selection.cameras at their own size, however large. `messages` and the errors are those of ViewsToRender;
-// kBadInput, too, when a view of "train" and one of "test" that are both taken
-// have the same name.
+// The views of the file selection.cameras at their own size, however large.
+// `messages` and the errors are those of ViewsToRender; kBadInput, too, when a
+// view of "train" and one of "test" that are both taken have the same name.
 StatusOr<SelectedViews> FileViews(const WorkspaceScene& scene,
+                                  const ViewSelection& selection,
+                                  std::ostream& messages);
+
+// Returns the selected views. `messages` receives a line that says how well the
+// poses of an aligned file agree with the scene's. kBadInput names the file and
+// the fault; it is also the error for a view that is too large (CheckViewSize).
+StatusOr<SelectedViews> ViewsToRender(const WorkspaceScene& scene,
                                       const ViewSelection& selection,
                                       std::ostream& messages);
-
-// Returns the selected views. `messages` receives a
-// line that says how well the poses of an aligned file agree with the scene's.
-// kBadInput names the file and the fault; it is also the error for a view that
-// is too large (CheckViewSize).
-StatusOr<SelectedViews> ViewsToRender(const WorkspaceScene& scene,
-                                          const ViewSelection& selection,
-                                          std::ostream& messages);
 
 // Whether a view has this name, or has it when its extension is ignored.
 bool HasViewName(const View& view, const std::string& name);

@@ -38,6 +38,10 @@ TEST_F(GoneInputsTest, PhotosThatAreGoneAreWantedByANewVersion) {
   EXPECT_THAT(state.note, HasSubstr("input photos is gone, and the stage"));
   EXPECT_THAT(state.note, HasSubstr("--from"));
   EXPECT_THAT(state.note, Not(HasSubstr("keeping")));
+  a_.version = 1;
+  EXPECT_THAT(Inspect()[0].state.note, HasSubstr("keeping"));
+  fs::remove(workspace() / "a" / "out.txt");
+  EXPECT_THAT(Inspect()[0].state.note, Not(HasSubstr("keeping")));
 }
 
 TEST_F(GoneInputsTest, PhotosAndMasksInTheWorkspaceMayGoToo) {

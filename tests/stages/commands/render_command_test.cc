@@ -195,17 +195,15 @@ TEST_F(RenderCommandTest, OutputsOfAnAlignedCameraFileAreInItsWorld) {
   const double far = json_of("depth.json")["far"].get<double>();
   const auto frames = json_of("rendered_cameras.json")["frames"];
   std::vector<std::string> words = depth;
-  words.insert(words.end(),
-               {"--cameras", (out_ / "cameras.json").string()});
+  words.insert(words.end(), {"--cameras", (out_ / "cameras.json").string()});
   ASSERT_TRUE(Render(words).ok()) << output_.str();
   EXPECT_NEAR(json_of("depth.json")["far"].get<double>(), 7 * far, 0.01 * far);
   const auto moved_frames = json_of("rendered_cameras.json")["frames"];
   ASSERT_EQ(moved_frames.size(), frames.size() + 1);  // And new.png.
   const auto centre = [](const nlohmann::json& frame) {
     const nlohmann::json& m = frame["transform_matrix"];
-    return Eigen::Vector3d(m[0][3].get<double>(),
-                           m[1][3].get<double>(),
-                           m[2][3].get<double>());
+    return Eigen::Vector3d(
+        m[0][3].get<double>(), m[1][3].get<double>(), m[2][3].get<double>());
   };
   for (size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ(moved_frames[i]["file_path"], frames[i]["file_path"]);
@@ -253,6 +251,12 @@ TEST_F(RenderCommandTest, ObjectsMayBeOutOfSight) {
                       "--only",
                       "1"})
                   .ok());
+  EXPECT_THAT(messages_.str(), HasSubstr("none of the views shows anything"));
+  const auto picture = ReadRgb(out() + "/new.png");
+  ASSERT_TRUE(picture.ok());
+  EXPECT_TRUE(std::all_of(picture->data(),
+                          picture->data() + picture->size(),
+                          [](uint8_t value) { return value == 255; }));
 }
 
 TEST_F(RenderCommandTest, CameraFileOfOtherPhotosNeedsNoAlign) {

@@ -60,6 +60,21 @@ TEST_F(IngestFilmsTest, TooFewFramesForTheWayOfAFilmAreTold) {
   EXPECT_THAT(warnings_,
               ElementsAre(AllOf(HasSubstr("a.avi: between "),
                                 HasSubstr("--ingest.video_frames"))));
+  options_.film.max_frames = 300;
+  options_.film.min_frames = 3;
+  options_.film.motion = 0.5;
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("--ingest.video_motion")));
+}
+
+TEST_F(IngestFilmsTest, AStretchWithoutASharpFrameIsTold) {
+  std::vector<cv::Mat> frames = photos::MovingFrames(60);
+  for (size_t i = 20; i < 40; ++i) {
+    cv::GaussianBlur(frames[i], frames[i], {}, 12);
+  }
+  photos::WriteFilm(images_.path() / "a.avi", frames);
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("are blurred")));
 }
 
 TEST_F(IngestFilmsTest, FolderOfFilms) {
