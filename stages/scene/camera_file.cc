@@ -15,6 +15,8 @@
 #include "core/io/json_fields.h"
 #include "core/number_text.h"
 #include "core/text.h"
+#include "sfm/import/transforms_json.h"
+#include "sfm/scene/camera.h"
 
 namespace freegs::stages {
 namespace {
@@ -108,11 +110,66 @@ StatusOr<std::vector<View>> ReadViews(const json& poses,
   return views;
 }
 
+// The view of a frame of a transforms.json.
+StatusOr<View> ViewOf(const sfm::TransformsFrame& frame) {
+  View view;
+  view.name = fs::path(frame.file_path).lexically_normal().string();
+  if (!IsNameBelowFolder(view.name)) {
+    return BadInputError("not the name of a photo in its folder");
+  }
+  const double width = frame.intrinsics.width;
+  const double height = frame.intrinsics.height;
+  if (!(width >= 1 && width <= 65535 && height >= 1 && height <= 65535)) {
+    return BadInputError("needs \"w\" and \"h\", from 1 to 65535");
+  }
+  FREEGS_ASSIGN_OR_RETURN(
+      const sfm::Camera camera,
+      sfm::MakeCamera(
+          frame.intrinsics, static_cast<int>(width), static_cast<int>(height)));
+  if (!camera.IsUndistorted()) {
+    return BadInputError("has distortion, and pictures have none");
+  }
+  view.camera = {static_cast<int>(width),
+                 static_cast<int>(height),
+                 camera.FocalX(),
+                 camera.FocalY(),
+                 camera.PrincipalX(),
+                 camera.PrincipalY()};
+  view.cam_from_world = frame.cam_from_world;
+  if (view.cam_from_world.translation.cwiseAbs().maxCoeff() > kMaxTranslation) {
+    return BadInputError("the translation is too large");
+  }
+  return view;
+}
+
+StatusOr<CameraSet> ParseTransformsViews(std::string_view text,
+                                         const std::string& source) {
+  const StatusOr<sfm::TransformsFile> file = sfm::ParseTransforms(text);
+  if (!file.ok()) return file.status().Annotated(source);
+  CameraSet cameras;
+  for (const sfm::TransformsFrame& frame : file->frames) {
+    StatusOr<View> view = ViewOf(frame);
+    if (!view.ok()) {
+      return view.status().Annotated(source + ": frame \"" + frame.file_path +
+                                     "\"");
+    }
+    const bool test = std::ranges::find(file->holdout, frame.file_path) !=
+                      file->holdout.end();
+    (test ? cameras.test : cameras.train).push_back(*std::move(view));
+  }
+  std::ranges::sort(cameras.train, NaturalLess, &View::name);
+  std::ranges::sort(cameras.test, NaturalLess, &View::name);
+  return cameras;
+}
+
 }  // namespace
 
 StatusOr<CameraSet> ParseCameraSet(std::string_view text,
                                    const std::string& source) {
   FREEGS_ASSIGN_OR_RETURN(const json document, ParseJsonObject(text, source));
+  if (FindField(document, "frames") != nullptr) {
+    return ParseTransformsViews(text, source);
+  }
   FREEGS_ASSIGN_OR_RETURN(
       const Pinhole camera,
       ReadIntrinsics(FindField(document, "intrinsics"), source));

@@ -29,7 +29,9 @@ struct CameraSet {
 // Intrinsics are in pixels, and all views share them. "fy" defaults to fx, and
 // "cx" and "cy" to the middle of the image. cam_from_world is a 4x4 or 3x4
 // matrix, row by row; the camera looks along +z, x points right and y down. One
-// of "train" and "test" may be missing.
+// of "train" and "test" may be missing. A transforms.json will do, too
+// (sfm/import/transforms_json.h): each frame needs "w" and "h" and may have no
+// distortion. Frames that it names for evaluation are "test".
 //
 // The error is kBadInput for missing or non-numeric fields, sizes outside
 // 1..65535, matrices that are not a rotation and a translation (tolerance

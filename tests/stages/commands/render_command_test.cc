@@ -215,6 +215,16 @@ TEST_F(RenderCommandTest, OutputsOfAnAlignedCameraFileAreInItsWorld) {
       sfm::ParseTransforms(ReadText(out() + "/rendered_cameras.json"));
   ASSERT_TRUE(file.ok()) << file.status().message();
   EXPECT_EQ(file->frames[0].intrinsics.width, 64);
+  const std::string before = ReadText(out() + "/photo1.png");
+  ASSERT_TRUE(Render({workspace(),
+                      "--what",
+                      "depth",
+                      "--out",
+                      out(),
+                      "--cameras",
+                      out() + "/rendered_cameras.json"})
+                  .ok());
+  EXPECT_EQ(ReadText(out() + "/photo1.png"), before);
 }
 
 TEST_F(RenderCommandTest, DepthWithAnotherUnitNeedsAnotherFolder) {
