@@ -48,11 +48,13 @@ def row(program, out, scene):
                         figures], check=True, stdout=subprocess.DEVNULL)
         objects = f"{json.loads(figures.read_text())['instance_miou']:.2f}"
     planned = said(r"the cameras took .*?; (.*) are expected to end")
+    # A training that was not ended early has all that was planned.
+    done_all = planned.startswith(f"{metrics['iterations']:,} ")
     return [name, asked,
             said(r"expected to take ([^,\n]+)"),
             said(r"expected to end after ([^\n]+)"),
             f"{seconds:.0f} s",
-            f"{metrics['iterations']} of {planned}",
+            planned if done_all else f"{metrics['iterations']:,} of {planned}",
             f"{metrics['holdout_psnr']:.1f} dB", objects]
 
 
