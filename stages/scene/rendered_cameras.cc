@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/text.h"
+#include "core/io/json_text.h"
 
 namespace freegs::stages {
 
@@ -18,9 +18,9 @@ nlohmann::json RenderedCameras(const std::vector<View>& views,
     const Pinhole& camera = views[i].camera;
     const Rigid3d world_from_cam =
         Inverse(TransformCamera(world_from_scene, views[i].cam_from_world));
+    const Eigen::Matrix<double, 3, 4> pose = world_from_cam.Matrix3x4();
     nlohmann::json matrix = nlohmann::json::array();
     for (int row = 0; row < 3; ++row) {
-      const auto pose = world_from_cam.Matrix3x4();
       // OpenGL's camera looks along -z, and its y is up.
       matrix.push_back(
           {pose(row, 0), -pose(row, 1), -pose(row, 2), pose(row, 3)});
