@@ -98,7 +98,8 @@ Chosen Choose(const Divisions& scene,
   std::vector<semantics::Hierarchy> hierarchies =
       semantics::BuildHierarchies(patches, models, pool);
   const size_t division =
-      semantics::DivisionMostAgreedOn(hierarchies, patches[0].seen, pool);
+      semantics::DivisionMostAgreedOn(hierarchies, patches[0].seen, pool)
+          .division;
   return {std::move(hierarchies[division]), division};
 }
 

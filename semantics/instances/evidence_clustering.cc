@@ -156,9 +156,9 @@ std::vector<Hierarchy> BuildHierarchies(std::span<const ScenePatches> divisions,
   return hierarchies;
 }
 
-size_t DivisionMostAgreedOn(std::span<const Hierarchy> hierarchies,
-                            std::span<const double> seen,
-                            ThreadPool& pool) {
+DivisionChoice DivisionMostAgreedOn(std::span<const Hierarchy> hierarchies,
+                                    std::span<const double> seen,
+                                    ThreadPool& pool) {
   std::vector<std::vector<int32_t>> labels(hierarchies.size());
   std::vector<double> agreement(hierarchies.size(), 0.0);
   const auto num_divisions = static_cast<int64_t>(hierarchies.size());
@@ -175,8 +175,10 @@ size_t DivisionMostAgreedOn(std::span<const Hierarchy> hierarchies,
       }
     }
   });
-  return static_cast<size_t>(std::ranges::max_element(agreement) -
-                             agreement.begin());
+  const auto most = std::ranges::max_element(agreement);
+  const auto others = static_cast<double>(hierarchies.size()) - 1;
+  return {static_cast<size_t>(most - agreement.begin()),
+          others > 0 ? *most / others : 0};
 }
 
 EvidenceClusters CutIntoClusters(Hierarchy hierarchy,
@@ -224,17 +226,18 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
   FREEGS_RETURN_IF_ERROR(options.Check());
   std::vector<Hierarchy> hierarchies =
       BuildHierarchies(divisions, models, pool);
-  const size_t chosen =
+  const DivisionChoice chosen =
       DivisionMostAgreedOn(hierarchies, divisions[0].seen, pool);
-  Hierarchy hierarchy = std::move(hierarchies[chosen]);
+  Hierarchy hierarchy = std::move(hierarchies[chosen.division]);
   hierarchy.granularity = options.granularity;
   DropLonelyCrumbs(&hierarchy);
   for (int round = 0; round < kHazeRounds; ++round) {
     LabelNoise(model, haze_distance, pool, &hierarchy.part_of_gaussian);
   }
-  EvidenceClusters clusters =
-      CutIntoClusters(std::move(hierarchy), divisions[chosen], scene_radius);
-  clusters.division = chosen;
+  EvidenceClusters clusters = CutIntoClusters(
+      std::move(hierarchy), divisions[chosen.division], scene_radius);
+  clusters.division = chosen.division;
+  clusters.agreement = chosen.agreement;
   return clusters;
 }
 

@@ -31,7 +31,8 @@ struct EvidenceClusteringOptions {
 
 struct EvidenceClusters {
   Hierarchy hierarchy;
-  size_t division = 0;  // Whose patches are the leaves of the hierarchy.
+  size_t division = 0;   // Whose patches are the leaves of the hierarchy.
+  double agreement = 0;  // See DivisionChoice.
 
   // The instances at options.granularity, by descending size.
   std::vector<int32_t> labels;  // One for each Gaussian; -1 for none.
@@ -59,13 +60,21 @@ std::vector<Hierarchy> BuildHierarchies(std::span<const ScenePatches> divisions,
                                         const LearntModels& models,
                                         ThreadPool& pool);
 
+struct DivisionChoice {
+  size_t division = 0;
+
+  // The mean of what each other division agrees (Agreement), 0 to 1. Where it
+  // is small, chance decides where instances end. 0 if there are no others.
+  double agreement = 0;
+};
+
 // The division whose instances the others agree with most (Agreement). Of
 // equals the first one. It is chosen at granularity 0, so that the instances of
 // any granularity are cut from one tree. seen: how many pixels each Gaussian
 // covers.
-size_t DivisionMostAgreedOn(std::span<const Hierarchy> hierarchies,
-                            std::span<const double> seen,
-                            ThreadPool& pool);
+DivisionChoice DivisionMostAgreedOn(std::span<const Hierarchy> hierarchies,
+                                    std::span<const double> seen,
+                                    ThreadPool& pool);
 
 // The instances of a hierarchy of the patches, at its own granularity.
 // scene_radius: in units of the model frame (splat/scene/model_frame.h).

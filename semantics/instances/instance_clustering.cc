@@ -138,6 +138,7 @@ InstanceLabels InstanceClusterer::LabelsOf(EvidenceClusters clusters) const {
   result.scene_radius = extent_.radius;
   result.hierarchy = std::move(clusters.hierarchy);
   result.division = clusters.division;
+  result.agreement = clusters.agreement;
   result.labels = std::move(clusters.labels);
   result.planes = std::move(clusters.planes);
   result.num_clustered = clusters.num_clustered;
@@ -221,6 +222,7 @@ JoinedInstances InstanceClusterer::Join(const InstanceLabels& labels,
   EvidenceClusters clusters = CutIntoClusters(
       std::move(hierarchy), divisions_[labels.division], extent_.radius);
   clusters.division = labels.division;
+  clusters.agreement = labels.agreement;
   joined.labels = LabelsOf(std::move(clusters));
   // How many Gaussians of each label an instance has.
   std::vector<std::map<int32_t, size_t>> counts(joined.labels.num_instances);

@@ -65,7 +65,8 @@ struct InstanceLabels {
 
   // What the instances were cut from, with evidence.
   std::optional<Hierarchy> hierarchy;
-  size_t division = 0;  // See EvidenceClusters.
+  size_t division = 0;   // See EvidenceClusters.
+  double agreement = 0;  // See EvidenceClusters.
 
   double scene_radius = 0;  // See SceneExtent.
 

@@ -127,10 +127,20 @@ TEST_F(EvidenceClusteringTest, TakesTheDivisionThatTheOthersAgreeWith) {
   const Hierarchy usual = FromParts({0, 0, 0, 1, 1, 1}, 2);
   const Hierarchy similar = FromParts({0, 0, 0, 0, 1, 1}, 2);
   EXPECT_EQ(DivisionMostAgreedOn(
-                std::vector<Hierarchy>{odd, similar, usual, usual}, seen, pool),
+                std::vector<Hierarchy>{odd, similar, usual, usual}, seen, pool)
+                .division,
             2u);
-  EXPECT_EQ(DivisionMostAgreedOn(std::vector<Hierarchy>{odd, odd}, seen, pool),
-            0u);
+  const DivisionChoice same =
+      DivisionMostAgreedOn(std::vector<Hierarchy>{odd, odd}, seen, pool);
+  EXPECT_EQ(same.division, 0u);
+  EXPECT_NEAR(same.agreement, 1, 1e-12);
+  const DivisionChoice different =
+      DivisionMostAgreedOn(std::vector<Hierarchy>{odd, usual}, seen, pool);
+  EXPECT_LT(different.agreement, 0.6);
+  EXPECT_GT(different.agreement, 0.3);
+  EXPECT_EQ(
+      DivisionMostAgreedOn(std::vector<Hierarchy>{odd}, seen, pool).agreement,
+      0);
 }
 
 TEST_F(EvidenceClusteringTest, QualitiesAreTheMeanOfAllDivisions) {

@@ -234,6 +234,7 @@ TEST_F(BootstrapStageTest, WritesInstancesMapsAndPreviews) {
   const auto metrics = nlohmann::json::parse(*text);
   EXPECT_EQ(metrics["num_instances"], 5);
   EXPECT_EQ(metrics["num_background"], 1);
+  EXPECT_GT(metrics["agreement"].get<double>(), 0.5);
   EXPECT_EQ(metrics["instance_sizes"].size(), 5u);
   EXPECT_FALSE(metrics.contains("hdbscan"));
 
