@@ -242,8 +242,9 @@ StatusOr<std::vector<std::string>> AssignHoldout(const HoldoutRule& rule,
 
 void AssignCameraGroups(std::vector<Photo>* photos) {
   std::map<std::string, int> photos_of_source;
-  for (const Photo* photo : Usable(photos))
+  for (const Photo* photo : Usable(photos)) {
     ++photos_of_source[SourceOf(*photo)];
+  }
   std::map<std::tuple<bool,
                       std::string,
                       int,

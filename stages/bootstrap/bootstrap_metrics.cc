@@ -50,14 +50,15 @@ Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
       {"num_instances", labels.num_instances},
       {"num_background", num_background},
       {"mean_score", MeanScore(labels)},
-      {"agreement", nullptr},
+      {"agreement",
+       options.clustering == "evidence" ? nlohmann::json(labels.agreement)
+                                        : nlohmann::json()},
       {"scene_radius", labels.scene_radius},
       {"num_clustered", labels.num_clustered},
       {"noise_after", labels.noise_after},
       {"seconds", context.earlier_seconds + usage.wall_seconds},
       {"cpu_seconds", context.earlier_cpu_seconds + usage.cpu_seconds},
       {"peak_memory_bytes", usage.peak_memory_bytes}};
-  if (options.clustering == "evidence") metrics["agreement"] = labels.agreement;
   if (options.clustering == "union") {
     metrics["hdbscan"] = {
         {"min_cluster_size", labels.min_cluster_size},

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "core/status.h"
-#include "splat/scene/gaussian_model.h"
 #include "stages/command_line/command_words.h"
 #include "stages/commands/instance_choice.h"
 

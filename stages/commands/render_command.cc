@@ -32,6 +32,7 @@
 #include "stages/film/film_writer.h"
 #include "stages/film/rendered_frames.h"
 #include "stages/scene/depth_image.h"
+#include "stages/scene/depth_scale.h"
 #include "stages/scene/rendered_cameras.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/scene/view_selection.h"
@@ -49,6 +50,7 @@ class Renderer {
   Renderer(const WorkspaceScene& scene, fs::path out, ThreadPool* pool)
       : scene_(scene), out_(std::move(out)), pool_(*pool) {}
   virtual ~Renderer() = default;
+
   // Before the pictures of these names are rendered.
   virtual Status Begin(const std::vector<std::string>& /*names*/) {
     return Status();
@@ -96,40 +98,8 @@ class DepthRenderer : public Renderer {
         range_(InWorldUnits(VisibleDepthRange(scene.model, views))),
         unit_(DepthUnit(range_.far)) {}
 
-  // depth.json lists the pictures that have its unit. Where that changes, those
-  // that this call makes anew are removed first, so that none has a wrong unit
-  // if it is interrupted. kInvalidArgument if others would stay.
   Status Begin(const std::vector<std::string>& names) override {
-    const fs::path file = out_ / "depth.json";
-    std::set<std::string> pictures(names.begin(), names.end());
-    std::error_code error;
-    const StatusOr<nlohmann::json> before = ReadJson(file);
-    if (before.ok() && before->is_object() && before->contains("pictures") &&
-        (*before)["pictures"].is_array()) {
-      const bool same = before->value("unit", 0.0) == unit_;
-      for (const nlohmann::json& name : (*before)["pictures"]) {
-        if (!name.is_string()) continue;
-        const auto& picture = name.get_ref<const std::string&>();
-        if (!fs::exists(out_ / picture, error)) continue;
-        if (same) {
-          pictures.insert(picture);
-        } else if (!pictures.contains(picture)) {
-          return InvalidArgumentError(
-              out_.string() + ": has depth with another unit, such as " +
-              picture + "; take another folder");
-        }
-      }
-      for (const std::string& name : names) {
-        if (!same) fs::remove(out_ / name, error);
-      }
-    }
-    const nlohmann::json scale = {{"unit", unit_},
-                                  {"nothing", 0},
-                                  {"beyond", 65535},
-                                  {"near", range_.near},
-                                  {"far", range_.far},
-                                  {"pictures", pictures}};
-    return WriteFileAtomic(file, JsonText(scale));
+    return WriteDepthScale(out_, unit_, range_, names);
   }
 
   Status Render(const View& view, const std::string& name) override {

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -23,6 +22,7 @@
 #include "photos/photo_selection.h"
 #include "stages/ingest/ingest_films.h"
 #include "stages/ingest/ingest_forecast.h"
+#include "stages/ingest/ingest_holdout.h"
 
 namespace freegs::stages {
 namespace {
@@ -359,28 +359,6 @@ class IngestStage : public pipeline::Stage {
     photos::AssignCameraGroups(&photos);
     WarnOfOtherHoldout(context, *list);
     return Status();
-  }
-
-  // A photo that comes or goes shifts which ones the rule holds out.
-  static void WarnOfOtherHoldout(const StageContext& context,
-                                 const photos::PhotoList& list) {
-    const auto held_out = [](const photos::PhotoList& of) {
-      std::set<std::string> files;
-      for (const Photo& photo : of.photos) {
-        if (photo.split == PhotoSplit::kHoldout) files.insert(photo.file);
-      }
-      return files;
-    };
-    const auto before =
-        photos::ReadPhotoList(context.workspace / "ingest" / "images.json");
-    if (!before.ok() || held_out(*before).empty() ||
-        held_out(*before) == held_out(list)) {
-      return;
-    }
-    context.log(LogLevel::kWarning,
-                "the photos that are kept from training are not those of the "
-                "last run, so figures like holdout_psnr do not compare; "
-                "ingest.holdout_list can keep them");
   }
 
   // Moves and copies the usable photos to photos/.

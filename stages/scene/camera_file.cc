@@ -16,7 +16,7 @@
 #include "core/number_text.h"
 #include "core/text.h"
 #include "sfm/import/transforms_json.h"
-#include "sfm/scene/camera.h"
+#include "sfm/scene/views.h"
 
 namespace freegs::stages {
 namespace {
@@ -129,12 +129,7 @@ StatusOr<View> ViewOf(const sfm::TransformsFrame& frame) {
   if (!camera.IsUndistorted()) {
     return BadInputError("has distortion, and pictures have none");
   }
-  view.camera = {static_cast<int>(width),
-                 static_cast<int>(height),
-                 camera.FocalX(),
-                 camera.FocalY(),
-                 camera.PrincipalX(),
-                 camera.PrincipalY()};
+  view.camera = sfm::PinholeOf(camera);
   view.cam_from_world = frame.cam_from_world;
   if (view.cam_from_world.translation.cwiseAbs().maxCoeff() > kMaxTranslation) {
     return BadInputError("the translation is too large");

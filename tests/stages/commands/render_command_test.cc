@@ -2,6 +2,7 @@
 
 #include "stages/commands/render_command.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -246,6 +247,19 @@ TEST_F(RenderCommandTest, DepthWithAnotherUnitNeedsAnotherFolder) {
       Render({workspace(), "--what", "depth", "--out", out()});
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("another unit, such as new.png"));
+}
+
+TEST_F(RenderCommandTest, AnyDepthFileOfSomebodyElseIsReplaced) {
+  ASSERT_TRUE(Render({workspace(), "--what", "depth", "--out", out()}).ok());
+  const std::string expected = ReadText(out() + "/depth.json");
+  for (const char* found : {R"({"unit": "mm", "pictures": ["photo1.png", 3]})",
+                            R"({"pictures": {"a": 1}})",
+                            "[1]",
+                            "{"}) {
+    WriteText(out() + "/depth.json", found);
+    EXPECT_TRUE(Render({workspace(), "--what", "depth", "--out", out()}).ok());
+    EXPECT_EQ(ReadText(out() + "/depth.json"), expected) << found;
+  }
 }
 
 TEST_F(RenderCommandTest, ObjectsMayBeOutOfSight) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a run says of other holdout photos than those of the run before.
 
+#include "stages/ingest/ingest_holdout.h"
+
 #include <filesystem>
 
 #include <gmock/gmock.h>
